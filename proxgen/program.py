@@ -1,0 +1,150 @@
+"""The waist: what is to be generated, as plain data, between understanding the input and writing text.
+
+Nothing left of it (config, model, symbolic) writes files; nothing right of it (emit, build) knows what a
+cuff or a task is. A `Program` says which functions there are, with names, shapes, units and the equation in
+words; which constant tables; and which parameters stay settable at run time.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An input or output of a kernel.
+
+    Attributes:
+        name: as in the C signature.
+        shape: () for a scalar, (n,) for a vector, (rows, columns) for a matrix; row-major in C.
+        unit: such as `rad/s`; empty if there is none.
+        meaning: a short phrase, frame included.
+        parameter: True if it is not passed by the caller but read from the parameter block.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    unit: str
+    meaning: str
+    parameter: bool = False
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A function to be generated.
+
+    Attributes:
+        name: without the robot's prefix.
+        summary: one sentence.
+        equation: in words and plain-text mathematics, with the equation's number.
+        inputs: in the order of the function's inputs.
+        outputs: in the order of the function's outputs.
+        function: CasADi SX function with exactly these inputs and outputs (matrices as matrices; the
+            emitter densifies and transposes to row-major).
+    """
+
+    name: str
+    summary: str
+    equation: str
+    inputs: tuple[Argument, ...]
+    outputs: tuple[Argument, ...]
+    function: Any
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A value that the user can change at run time.
+
+    Attributes:
+        name: field name in C and key in Python.
+        shape: () or (n,).
+        unit: as in `Argument`.
+        default: from the configuration.
+        lower: least value that is accepted (inclusive).
+        upper: greatest value that is accepted (inclusive).
+        meaning: a short phrase with the equation's number.
+    """
+
+    name: str
+    shape: tuple[int, ...]
+    unit: str
+    default: float | tuple[float, ...]
+    lower: float
+    upper: float
+    meaning: str
+
+
+@dataclass(frozen=True)
+class CapsuleEntry:
+    """A row of the capsule table: `pg_capsule_t`."""
+
+    name: str
+    body: int
+    start: tuple[float, float, float]
+    end: tuple[float, float, float]
+    radius: float
+    reference_radius: float
+
+
+@dataclass(frozen=True)
+class SensorEntry:
+    """A row of a sensor table: `pg_sensor_t`; `range` is a switch's virtual distance."""
+
+    name: str
+    body: int
+    position: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    range: float
+
+
+@dataclass(frozen=True)
+class Program:
+    """All that is generated for one robot.
+
+    `body` in the tables counts the rows of the kinematics kernel's output `body_to_world`, not Pinocchio joints.
+
+    Attributes:
+        robot: name and symbol prefix.
+        config_hash: SHA-256 of the canonical configuration and the URDF, hexadecimal.
+        joints: number of joints n.
+        task_rows: number of task rows m.
+        bodies: number of poses in `body_to_world`.
+        joint_names: (n,).
+        task_row_names: (m,), such as `x`.
+        body_names: (bodies,).
+        kernels: in the order of the cycle.
+        parameters: in the order of the C struct.
+        capsules: the capsule table; one fixed row slot each.
+        tof: table of the range sensors.
+        capacitive: table of the switches.
+        max_points: capacity for further obstacle points.
+        relaxation: `staged` or `slack`.
+        active_row: whether the row (7) exists.
+        max_iterations: working-set changes per solve.
+        tolerance: greatest KKT residual that is certified.
+        sources: names and versions that determine the text, such as {"casadi": "3.8.2"}.
+    """
+
+    robot: str
+    config_hash: str
+    joints: int
+    task_rows: int
+    bodies: int
+    joint_names: tuple[str, ...]
+    task_row_names: tuple[str, ...]
+    body_names: tuple[str, ...]
+    kernels: tuple[Kernel, ...]
+    parameters: tuple[Parameter, ...]
+    capsules: tuple[CapsuleEntry, ...]
+    tof: tuple[SensorEntry, ...]
+    capacitive: tuple[SensorEntry, ...]
+    max_points: int
+    relaxation: str
+    active_row: bool
+    max_iterations: int
+    tolerance: float
+    sources: dict[str, str]
+
+    def kernel(self, name: str) -> Kernel:
+        """The kernel of that name; KeyError if there is none."""
+        by_name = {kernel.name: kernel for kernel in self.kernels}
+        return by_name[name]
