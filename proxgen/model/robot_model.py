@@ -1,9 +1,10 @@
 """RobotModel: what both controllers know of the arm. Plain data and numeric kinematics, nothing symbolic.
 
-Frames and conventions: the world is the URDF's root link; `q` always has one entry per joint, `n` in all
-(a continuous joint is one angle, although Pinocchio holds it as cosine and sine). A *body* is a Pinocchio
-joint index: 0 is the fixed base, i > 0 moves with joint i - 1. Everything attached to the arm is given in
-the frame of its body, so that body poses are all that changes from cycle to cycle.
+Frames and conventions: the world is the URDF's root link; `q` always has one entry per *controlled* joint,
+`n` in all. A continuous joint is one angle, although Pinocchio holds it as cosine and sine; a mimic joint has
+no entry of its own but follows one. A *body* is a Pinocchio joint index: 0 is the fixed base, i > 0 is what
+moves with Pinocchio's joint i. Everything attached to the arm is given in the frame of its body, so that body
+poses are all that changes from cycle to cycle.
 """
 
 from dataclasses import dataclass
@@ -15,6 +16,14 @@ from numpy.typing import NDArray
 from proxgen.config.schema import Capacitive, TimeOfFlight
 
 Array = NDArray[np.float64]
+
+
+ALL_ROWS: dict[str, tuple[str, ...]] = {
+    "position": ("x", "y", "z"),
+    "pose": ("x", "y", "z", "rx", "ry", "rz"),
+    "pointing": ("x", "y", "z", "rx", "ry"),
+}
+"""Task rows by `task.kind`, in the order of the rows of J."""
 
 
 @dataclass(frozen=True)
@@ -60,16 +69,39 @@ class SensorModule:
 
 
 @dataclass(frozen=True)
+class Drive:
+    """How a Pinocchio joint follows a controlled one: position = ratio * q[index] + offset.
+
+    Attributes:
+        index: which entry of q; for a joint that is not a mimic joint, its own.
+        ratio: 1 for a joint that is not a mimic joint.
+        offset: [rad or m].
+        prismatic: the joint translates along `axis`; otherwise it rotates about it.
+        axis: unit vector (3,), in the joint's frame.
+    """
+
+    index: int
+    ratio: float
+    offset: float
+    prismatic: bool
+    axis: Array
+
+
+@dataclass(frozen=True)
 class RobotModel:
     """The controlled chain: n joints from base to tool, capsules, sensors, limits.
 
     Attributes:
         name: robot name, prefix of all generated symbols.
-        pin_model: reduced Pinocchio model (only the n controlled joints), its placements snapped: entries
-            that are within 1e-11 of -1, 0, 1 or a multiple of 1/2 are that number exactly.
+        pin_model: reduced Pinocchio model of the chain. Rotation entries below 1e-11 are exactly 0 (angles
+            such as 1.57079632679 leave them, and each costs operations in every cycle).
+        drives: one per Pinocchio joint (joint i has drives[i - 1]).
         joint_names: (n,), base to tool.
         tool_body: body that carries the tool.
         tool_in_body: 4x4 homogeneous transform of the task point frame in its body.
+        task_rows: (m,) names of the rows of J, a subset of `ALL_ROWS[task.kind]`, in that order.
+        task_frame: (3, 3) tool-frame directions (columns) about which rx, ry are counted by a pointing task;
+            None if rx, ry, rz are about the world's axes.
         q_lower: (n,) [rad or m]; -1e20 where unlimited.
         q_upper: (n,) [rad or m]; 1e20 where unlimited.
         qdot_limit: (n,) [rad/s or m/s].
@@ -80,9 +112,12 @@ class RobotModel:
 
     name: str
     pin_model: Any
+    drives: tuple[Drive, ...]
     joint_names: tuple[str, ...]
     tool_body: int
     tool_in_body: Array
+    task_rows: tuple[str, ...]
+    task_frame: Array | None
     q_lower: Array
     q_upper: Array
     qdot_limit: Array
@@ -94,6 +129,22 @@ class RobotModel:
     def n(self) -> int:
         """Number of controlled joints."""
         return len(self.joint_names)
+
+    @property
+    def m(self) -> int:
+        """Number of task rows."""
+        return len(self.task_rows)
+
+    @property
+    def transmission(self) -> Array:
+        """(pin.nv, n): Pinocchio's velocities from q̇; the identity unless there are mimic joints.
+
+        A Jacobian J_pin of Pinocchio becomes J_pin @ transmission.
+        """
+        matrix = np.zeros((len(self.drives), self.n))
+        for row, drive in enumerate(self.drives):
+            matrix[row, drive.index] = drive.ratio
+        return matrix
 
     @property
     def tof_modules(self) -> tuple[SensorModule, ...]:

@@ -1,0 +1,148 @@
+"""Config to RobotModel: chain, limits, capsules and sensors, with every mistake reported at once."""
+
+from typing import Any
+
+import numpy as np
+
+from proxgen.config.schema import Config
+from proxgen.errors import ConfigError, Problem, unknown_name
+from proxgen.model.frames import axis_basis
+from proxgen.model.robot_model import ALL_ROWS, Array, CapsuleModel, RobotModel
+from proxgen.model.skin import sensor_modules
+from proxgen.model.urdf import Urdf, drives, parse_urdf, reduce_to_chain, unknown_frame
+
+UNLIMITED = 1e20
+"""Stands for a limit that does not exist; the runtime's PG_OFF."""
+
+
+def build_model(config: Config) -> RobotModel:
+    """The arm that a configuration describes.
+
+    Args:
+        config: a loaded configuration.
+
+    Returns:
+        The controlled chain with its limits, capsules and sensor modules.
+
+    Raises:
+        ConfigError: the URDF cannot be read, or lacks a frame, joint or limit that the configuration needs;
+            all problems at once, each with its line.
+    """
+    urdf = parse_urdf(config)
+    if isinstance(urdf, Problem):
+        raise ConfigError([urdf])
+    chain = reduce_to_chain(config, urdf)
+    if isinstance(chain, list):
+        raise ConfigError(chain + _frame_problems(config, urdf.full))
+    reduced, controlled = chain
+    limits, problems = _limits(config, urdf, controlled)
+    problems += _frame_problems(config, reduced) + _joint_name_problems(config, controlled) + _row_problems(config)
+    if problems:
+        raise ConfigError(problems)
+    kind_rows = ALL_ROWS[config.task.kind]
+    tool = reduced.frames[reduced.getFrameId(config.robot.tool)]
+    tool_in_body = np.array(tool.placement.homogeneous)
+    tool_in_body[:3, 3] += tool_in_body[:3, :3] @ np.array(config.robot.tool_offset)
+    return RobotModel(
+        name=config.robot.name,
+        pin_model=reduced,
+        drives=drives(urdf, reduced, controlled),
+        joint_names=tuple(controlled),
+        tool_body=int(tool.parentJoint),
+        tool_in_body=tool_in_body,
+        task_rows=tuple(row for row in kind_rows if row in (config.task.rows or kind_rows)),
+        task_frame=axis_basis(np.array(config.task.axis)) if config.task.kind == "pointing" else None,
+        q_lower=limits[:, 0],
+        q_upper=limits[:, 1],
+        qdot_limit=limits[:, 2],
+        qddot_limit=limits[:, 3],
+        capsules=_capsules(config, reduced),
+        modules=sensor_modules(config.skin, reduced),
+    )
+
+
+def _frame_problems(config: Config, pin_model: Any) -> list[Problem]:
+    """Frames of capsules and cuffs that the model lacks."""
+    named = [(f"capsules.{index}.frame", capsule.frame) for index, capsule in enumerate(config.capsules)]
+    named += [(f"skin.cuffs.{index}.frame", cuff.frame) for index, cuff in enumerate(config.skin.cuffs)]
+    return [
+        config.problem(key, unknown_frame(pin_model, frame))
+        for key, frame in named
+        if not pin_model.existFrame(frame)
+    ]
+
+
+def _joint_name_problems(config: Config, controlled: list[str]) -> list[Problem]:
+    """Joints named in the limits or the posture that are not controlled."""
+    named = [(f"limits.position.{name}", name) for name in config.limits.position]
+    named += [(f"limits.velocity.{name}", name) for name in config.limits.velocity]
+    if isinstance(config.limits.acceleration, dict):
+        named += [(f"limits.acceleration.{name}", name) for name in config.limits.acceleration]
+    if config.task.posture is not None:
+        named += [(f"task.posture.joints.{name}", name) for name in config.task.posture.joints]
+    return [
+        config.problem(key, unknown_name("controlled joint", name, controlled))
+        for key, name in named
+        if name not in controlled
+    ]
+
+
+def _row_problems(config: Config) -> list[Problem]:
+    """Task rows that the kind of task does not have."""
+    allowed = ALL_ROWS[config.task.kind]
+    return [
+        config.problem(f"task.rows.{index}", unknown_name(f"row of a {config.task.kind} task", row, allowed))
+        for index, row in enumerate(config.task.rows or ())
+        if row not in allowed
+    ]
+
+
+def _limits(config: Config, urdf: Urdf, controlled: list[str]) -> tuple[Array, list[Problem]]:
+    """Limits of every controlled joint, (n, 4): lower, upper, velocity, acceleration; and what is missing."""
+    table, problems = np.empty((len(controlled), 4)), []
+    for index, name in enumerate(controlled):
+        written = urdf.limits[name]
+        continuous = urdf.full.joints[urdf.full.getJointId(name)].nq == 2
+        if name in config.limits.position:
+            lower, upper = config.limits.position[name]
+        elif continuous:
+            lower, upper = -UNLIMITED, UNLIMITED
+        elif written.lower is None or written.upper is None or written.lower >= written.upper:
+            message = f"the URDF gives joint '{name}' no position limits (lower < upper); set limits.position.{name}"
+            problems.append(config.problem("limits.position", message))
+            lower, upper = -UNLIMITED, UNLIMITED
+        else:
+            lower, upper = written.lower, written.upper
+        velocity = config.limits.velocity.get(name, written.velocity or 0.0)
+        if velocity <= 0.0:
+            message = f"the URDF gives joint '{name}' no velocity limit above 0; set limits.velocity.{name}"
+            problems.append(config.problem("limits.velocity", message))
+        table[index] = lower, upper, velocity, _acceleration(config, name)
+    return table, problems
+
+
+def _acceleration(config: Config, name: str) -> float:
+    """Acceleration limit of a joint, UNLIMITED where none is configured."""
+    acceleration = config.limits.acceleration
+    if isinstance(acceleration, dict):
+        return acceleration.get(name, UNLIMITED)
+    return UNLIMITED if acceleration is None else acceleration
+
+
+def _capsules(config: Config, pin_model: Any) -> tuple[CapsuleModel, ...]:
+    """The capsules in the frames of the bodies that carry them."""
+    capsules = []
+    for capsule in config.capsules:
+        frame = pin_model.frames[pin_model.getFrameId(capsule.frame)]
+        rotation, translation = frame.placement.rotation, frame.placement.translation
+        capsules.append(
+            CapsuleModel(
+                name=capsule.name,
+                body=int(frame.parentJoint),
+                start=rotation @ np.array(capsule.start) + translation,
+                end=rotation @ np.array(capsule.end) + translation,
+                radius=capsule.radius,
+                reference_radius=capsule.radius if config.avoidance.distance_reference == "surface" else 0.0,
+            )
+        )
+    return tuple(capsules)

@@ -1,0 +1,212 @@
+"""URDF file to a reduced Pinocchio model of the chain from base to tool."""
+
+import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from proxgen.config.schema import Config
+from proxgen.errors import Problem, nearest_name, unknown_name
+from proxgen.model.robot_model import Array, Drive
+
+SNAP = 1e-11
+"""Rotation entries smaller than this are rounding of the URDF's decimals, and are set to zero."""
+
+_AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
+
+
+@dataclass(frozen=True)
+class Mimic:
+    """A joint that follows another: position = multiplier * position of `joint` + offset."""
+
+    joint: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class UrdfLimits:
+    """Limits of one joint as the URDF writes them; None where it writes none."""
+
+    lower: float | None
+    upper: float | None
+    velocity: float | None
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """A parsed URDF.
+
+    Attributes:
+        full: Pinocchio model of everything in the file, mimic joints independent.
+        mimics: by the name of the joint that follows.
+        limits: by joint name.
+    """
+
+    full: Any
+    mimics: dict[str, Mimic]
+    limits: dict[str, UrdfLimits]
+
+
+def _number(element: ElementTree.Element | None, name: str) -> float | None:
+    """A numeric attribute, or None where element or attribute is missing."""
+    text = element.get(name) if element is not None else None
+    return float(text) if text is not None else None
+
+
+def parse_urdf(config: Config) -> Urdf | Problem:
+    """Read the configured URDF.
+
+    Returns:
+        The parsed file, or the problem that keeps it from being read, in its own line of the YAML file.
+    """
+    path = config.urdf_path
+    try:
+        root = ElementTree.parse(path).getroot()
+        full = pin.buildModelFromUrdf(str(path))
+        mimics, limits = {}, {}
+        for joint in root.findall("joint"):
+            name = joint.get("name", "")
+            limit = joint.find("limit")
+            limits[name] = UrdfLimits(_number(limit, "lower"), _number(limit, "upper"), _number(limit, "velocity"))
+            mimic = joint.find("mimic")
+            if mimic is not None:
+                multiplier, offset = _number(mimic, "multiplier"), _number(mimic, "offset")
+                mimics[name] = Mimic(
+                    mimic.get("joint", ""), 1.0 if multiplier is None else multiplier, offset or 0.0
+                )
+    except ElementTree.ParseError as error:
+        return config.problem("robot.urdf", f"{path} is not well-formed XML: {error}")
+    except (OSError, ValueError, RuntimeError) as error:
+        return config.problem("robot.urdf", f"{path} cannot be read as a URDF: {error}")
+    return Urdf(full, mimics, limits)
+
+
+def chain_joints(urdf: Urdf, tool: str) -> list[str]:
+    """Names of the moving joints from base to the tool frame, base first, mimic joints included."""
+    frame = urdf.full.frames[urdf.full.getFrameId(tool)]
+    return [urdf.full.names[index] for index in urdf.full.supports[frame.parentJoint] if index > 0]
+
+
+def independent_joints(urdf: Urdf, chain: list[str]) -> list[str]:
+    """The joints of the chain that are controlled: those that follow no other."""
+    return [name for name in chain if name not in urdf.mimics]
+
+
+def reduce_to_chain(config: Config, urdf: Urdf) -> tuple[Any, list[str]] | list[Problem]:
+    """Lock everything that is not between base and tool.
+
+    Returns:
+        The reduced, snapped Pinocchio model and the controlled joints' names; or all problems.
+    """
+    problems = _name_problems(config, urdf)
+    if problems:
+        return problems
+    chain = [name for name in chain_joints(urdf, config.robot.tool) if name not in config.robot.locked_joints]
+    controlled = independent_joints(urdf, chain)
+    if not controlled:
+        message = f"no moving joint between the base and the tool frame '{config.robot.tool}'"
+        return [config.problem("robot.tool", message)]
+    problems = [problem for name in chain if (problem := _joint_problem(config, urdf, chain, name))]
+    if problems:
+        return problems
+    locked = [urdf.full.getJointId(name) for name in list(urdf.full.names)[1:] if name not in chain]
+    reduced = pin.buildReducedModel(urdf.full, locked, _locked_configuration(config, urdf))
+    _snap(reduced)
+    return reduced, controlled
+
+
+def _name_problems(config: Config, urdf: Urdf) -> list[Problem]:
+    """Tool frame and locked joints that the URDF does not have."""
+    joints = list(urdf.full.names)[1:]
+    problems = []
+    if not urdf.full.existFrame(config.robot.tool):
+        problems.append(config.problem("robot.tool", unknown_frame(urdf.full, config.robot.tool)))
+    for name in config.robot.locked_joints:
+        if name not in joints:
+            problems.append(
+                config.problem(f"robot.locked_joints.{name}", unknown_name("joint", name, joints))
+            )
+    return problems
+
+
+def unknown_frame(model: Any, name: str) -> str:
+    """The sentence for a frame that the URDF lacks. Long lists are cut to the nearest name and a count."""
+    frames = [frame.name for frame in model.frames]
+    nearest = nearest_name(name, frames)
+    if len(frames) <= 24:
+        return unknown_name("frame", name, frames)
+    hint = f"; did you mean '{nearest}'?" if nearest else ""
+    return f"unknown frame '{name}'{hint} (the URDF has {len(frames)} frames)"
+
+
+def _joint_problem(config: Config, urdf: Urdf, chain: list[str], name: str) -> Problem | None:
+    """What keeps a joint of the chain from being controlled, if anything."""
+    joint = urdf.full.joints[urdf.full.getJointId(name)]
+    if joint.nv != 1:
+        kind = joint.shortname().removeprefix("JointModel")
+        message = f"joint '{name}' is of type {kind}; the chain may have revolute, continuous and prismatic joints"
+        return config.problem("robot.urdf", message)
+    mimic = urdf.mimics.get(name)
+    if mimic is not None and mimic.joint not in chain:
+        message = f"joint '{name}' mimics '{mimic.joint}', which is not between the base and the tool; lock it"
+        return config.problem("robot.urdf", f"{message} with robot.locked_joints")
+    return None
+
+
+def _locked_configuration(config: Config, urdf: Urdf) -> Array:
+    """Pinocchio configuration in which joints are locked: as configured, else nearest to zero in their limits."""
+    configuration: Array = pin.neutral(urdf.full)
+    for index in range(1, urdf.full.njoints):
+        joint, name = urdf.full.joints[index], urdf.full.names[index]
+        if joint.nv != 1:
+            continue
+        limits = urdf.limits[name]
+        position = float(np.clip(0.0, limits.lower or 0.0, max(limits.upper or 0.0, limits.lower or 0.0)))
+        position = config.robot.locked_joints.get(name, position)
+        if joint.nq == 2:
+            configuration[joint.idx_q : joint.idx_q + 2] = np.cos(position), np.sin(position)
+        else:
+            configuration[joint.idx_q] = position
+    return configuration
+
+
+def _snap(model: Any) -> None:
+    """Set rotation entries that are only rounding of the URDF's decimals to zero."""
+    for placement in list(model.jointPlacements):
+        placement.rotation = snapped(placement.rotation)
+    for index in range(model.nframes):
+        placement = model.frames[index].placement
+        placement.rotation = snapped(placement.rotation)
+        model.frames[index].placement = placement
+
+
+def snapped(rotation: Array) -> Array:
+    """A rotation matrix without the off-zeros below `SNAP`; entries next to +-1 become +-1."""
+    clean = np.where(np.abs(rotation) < SNAP, 0.0, rotation)
+    return np.where(np.abs(np.abs(clean) - 1.0) < SNAP, np.sign(clean), clean)
+
+
+def drives(urdf: Urdf, reduced: Any, controlled: list[str]) -> tuple[Drive, ...]:
+    """How each joint of the reduced model follows the controlled ones, chained mimics resolved."""
+    result = []
+    for index in range(1, reduced.njoints):
+        name, ratio, offset = reduced.names[index], 1.0, 0.0
+        while name in urdf.mimics:
+            mimic = urdf.mimics[name]
+            ratio, offset, name = ratio * mimic.multiplier, offset + ratio * mimic.offset, mimic.joint
+        prismatic, axis = _axis(reduced.joints[index])
+        result.append(Drive(controlled.index(name), ratio, offset, prismatic, axis))
+    return tuple(result)
+
+
+def _axis(joint: Any) -> tuple[bool, Array]:
+    """Whether a one-dimensional joint is prismatic, and its axis in its own frame."""
+    kind = joint.shortname().removeprefix("JointModel")
+    prismatic = kind.startswith("P")
+    if kind[-1] in _AXES:
+        return prismatic, _AXES[kind[-1]]
+    axis = joint.extract().axis if hasattr(joint, "extract") else joint.axis
+    return prismatic, np.array(axis) / np.linalg.norm(axis)
