@@ -100,7 +100,7 @@ class SensorEntry:
 class Program:
     """All that is generated for one robot.
 
-    `body` in the tables counts the rows of the kinematics kernel's output `body_to_world`, not Pinocchio joints.
+    `body` in the tables counts the rows of the kinematics kernel's output `body_to_world`.
 
     Attributes:
         robot: name and symbol prefix.
@@ -119,6 +119,7 @@ class Program:
         max_points: capacity for further obstacle points.
         relaxation: `staged` or `slack`.
         active_row: whether the row (7) exists.
+        schedule: `paper` (law (13)) or `damper`.
         max_iterations: working-set changes per solve.
         tolerance: greatest KKT residual that is certified.
         sources: names and versions that determine the text, such as {"casadi": "3.8.2"}.
@@ -140,6 +141,7 @@ class Program:
     max_points: int
     relaxation: str
     active_row: bool
+    schedule: str
     max_iterations: int
     tolerance: float
     sources: dict[str, str]

@@ -36,7 +36,9 @@ def build_model(config: Config) -> RobotModel:
         raise ConfigError(chain + _frame_problems(config, urdf.full))
     reduced, controlled = chain
     limits, problems = _limits(config, urdf, controlled)
-    problems += _frame_problems(config, reduced) + _joint_name_problems(config, controlled) + _row_problems(config)
+    problems += (
+        _frame_problems(config, reduced) + _joint_name_problems(config, controlled) + _row_problems(config)
+    )
     if problems:
         raise ConfigError(problems)
     kind_rows = ALL_ROWS[config.task.kind]
@@ -108,7 +110,7 @@ def _limits(config: Config, urdf: Urdf, controlled: list[str]) -> tuple[Array, l
         elif continuous:
             lower, upper = -UNLIMITED, UNLIMITED
         elif written.lower is None or written.upper is None or written.lower >= written.upper:
-            message = f"the URDF gives joint '{name}' no position limits (lower < upper); set limits.position.{name}"
+            message = f"the URDF gives joint '{name}' no position limits; set limits.position.{name}"
             problems.append(config.problem("limits.position", message))
             lower, upper = -UNLIMITED, UNLIMITED
         else:

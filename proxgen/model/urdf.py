@@ -70,7 +70,9 @@ def parse_urdf(config: Config) -> Urdf | Problem:
         for joint in root.findall("joint"):
             name = joint.get("name", "")
             limit = joint.find("limit")
-            limits[name] = UrdfLimits(_number(limit, "lower"), _number(limit, "upper"), _number(limit, "velocity"))
+            limits[name] = UrdfLimits(
+                _number(limit, "lower"), _number(limit, "upper"), _number(limit, "velocity")
+            )
             mimic = joint.find("mimic")
             if mimic is not None:
                 multiplier, offset = _number(mimic, "multiplier"), _number(mimic, "offset")
@@ -147,17 +149,19 @@ def _joint_problem(config: Config, urdf: Urdf, chain: list[str], name: str) -> P
     joint = urdf.full.joints[urdf.full.getJointId(name)]
     if joint.nv != 1:
         kind = joint.shortname().removeprefix("JointModel")
-        message = f"joint '{name}' is of type {kind}; the chain may have revolute, continuous and prismatic joints"
+        message = f"joint '{name}' is a {kind}; the chain may have revolute, continuous, prismatic joints"
         return config.problem("robot.urdf", message)
     mimic = urdf.mimics.get(name)
     if mimic is not None and mimic.joint not in chain:
-        message = f"joint '{name}' mimics '{mimic.joint}', which is not between the base and the tool; lock it"
+        message = (
+            f"joint '{name}' mimics '{mimic.joint}', which is not between the base and the tool; lock it"
+        )
         return config.problem("robot.urdf", f"{message} with robot.locked_joints")
     return None
 
 
 def _locked_configuration(config: Config, urdf: Urdf) -> Array:
-    """Pinocchio configuration in which joints are locked: as configured, else nearest to zero in their limits."""
+    """Positions at which joints are locked: as configured, else the nearest to zero within their limits."""
     configuration: Array = pin.neutral(urdf.full)
     for index in range(1, urdf.full.njoints):
         joint, name = urdf.full.joints[index], urdf.full.names[index]
