@@ -14,8 +14,6 @@ from proxgen.model.robot_model import Array, Drive
 SNAP = 1e-11
 """Rotation entries smaller than this are rounding of the URDF's decimals, and are set to zero."""
 
-_AXES = {"X": np.array([1.0, 0.0, 0.0]), "Y": np.array([0.0, 1.0, 0.0]), "Z": np.array([0.0, 0.0, 1.0])}
-
 
 @dataclass(frozen=True)
 class Mimic:
@@ -195,22 +193,21 @@ def snapped(rotation: Array) -> Array:
 
 def drives(urdf: Urdf, reduced: Any, controlled: list[str]) -> tuple[Drive, ...]:
     """How each joint of the reduced model follows the controlled ones, chained mimics resolved."""
-    result = []
+    result, data = [], reduced.createData()
+    pin.computeJointJacobians(reduced, data, pin.neutral(reduced))
     for index in range(1, reduced.njoints):
         name, ratio, offset = reduced.names[index], 1.0, 0.0
         while name in urdf.mimics:
             mimic = urdf.mimics[name]
             ratio, offset, name = ratio * mimic.multiplier, offset + ratio * mimic.offset, mimic.joint
-        prismatic, axis = _axis(reduced.joints[index])
+        prismatic, axis = _axis(np.array(data.joints[index].S).ravel())
         result.append(Drive(controlled.index(name), ratio, offset, prismatic, axis))
     return tuple(result)
 
 
-def _axis(joint: Any) -> tuple[bool, Array]:
-    """Whether a one-dimensional joint is prismatic, and its axis in its own frame."""
-    kind = joint.shortname().removeprefix("JointModel")
-    prismatic = kind.startswith("P")
-    if kind[-1] in _AXES:
-        return prismatic, _AXES[kind[-1]]
-    axis = joint.extract().axis if hasattr(joint, "extract") else joint.axis
-    return prismatic, np.array(axis) / np.linalg.norm(axis)
+def _axis(subspace: Array) -> tuple[bool, Array]:
+    """Whether a one-dimensional joint is prismatic, and its axis: from its motion subspace, (6,)."""
+    linear, angular = subspace[:3], subspace[3:]
+    prismatic = bool(np.linalg.norm(linear) > np.linalg.norm(angular))
+    axis: Array = np.array(linear if prismatic else angular)
+    return prismatic, axis / np.linalg.norm(axis)
