@@ -1,0 +1,305 @@
+"""The only file that knows pybullet: obstacles and arm as bodies, rays, pictures by its software renderer.
+
+Every call names its physics client, so that several worlds live side by side in one process. What pybullet
+prints from C is discarded: standard output belongs to the command line.
+"""
+
+import ctypes
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import cache
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from proxgen.errors import SimulationError
+from proxgen.model.frames import axis_basis
+from proxgen.simulation.arm import ArmGeometry
+from proxgen.simulation.obstacles import Obstacle, ObstacleField
+
+Array = NDArray[np.float64]
+Colour = tuple[float, float, float, float]
+
+_OBSTACLE_COLOURS: tuple[Colour, ...] = (
+    (0.80, 0.33, 0.28, 1.0),
+    (0.86, 0.58, 0.25, 1.0),
+    (0.62, 0.36, 0.60, 1.0),
+)
+_ARM_COLOURS: tuple[Colour, ...] = ((0.95, 0.55, 0.10, 1.0), (0.75, 0.76, 0.78, 1.0))
+_TARGET_COLOUR: Colour = (0.15, 0.60, 0.25, 1.0)
+_FLOOR_COLOUR: Colour = (0.93, 0.93, 0.91, 1.0)
+_OBSTACLE_BIT = 1
+_ARM_BITS = 30
+
+
+@contextmanager
+def _silent_stdout() -> Iterator[None]:
+    """Send what C code prints to nowhere; C's own buffer is flushed before and after."""
+    flush = ctypes.CDLL(None).fflush
+    sys.stdout.flush()
+    flush(None)
+    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 1)
+        yield
+    finally:
+        flush(None)
+        os.dup2(kept, 1)
+        os.close(kept)
+        os.close(nowhere)
+
+
+@cache
+def _pybullet() -> Any:
+    """The module, imported on first use: it takes a while and prints a banner."""
+    with _silent_stdout():
+        import pybullet
+    return pybullet
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where a picture is taken from.
+
+    Attributes:
+        target: the point in the middle of the picture [m].
+        distance: from the target [m].
+        yaw: about z, 0 looks along y [deg].
+        pitch: negative looks down [deg].
+        width: [pixels].
+        height: [pixels].
+        field_of_view: vertical [deg].
+    """
+
+    target: tuple[float, float, float] = (0.3, 0.0, 0.45)
+    distance: float = 1.9
+    yaw: float = 55.0
+    pitch: float = -22.0
+    width: int = 640
+    height: int = 480
+    field_of_view: float = 45.0
+
+
+class World:
+    """A pybullet world of obstacles, and of the arm's capsules where rays or pictures need them."""
+
+    def __init__(
+        self, field: ObstacleField, arm: ArmGeometry, *, arm_in_rays: bool = False, gui: bool = False
+    ) -> None:
+        """Connect and create the bodies.
+
+        Args:
+            field: the obstacles.
+            arm: the arm; its capsules are drawn, and hit by rays if `arm_in_rays`.
+            arm_in_rays: rays hit the arm too, except the body that carries the sensor.
+            gui: open pybullet's window instead of working without one.
+
+        Raises:
+            SimulationError: no connection, such as --gui without a display.
+        """
+        self._bullet = _pybullet()
+        self._field, self._arm, self._arm_in_rays = field, arm, arm_in_rays
+        try:
+            with _silent_stdout():
+                self._client: int = self._bullet.connect(self._bullet.GUI if gui else self._bullet.DIRECT)
+        except self._bullet.error as error:
+            raise SimulationError(f"pybullet cannot open a world: {error}") from error
+        if self._client < 0:
+            raise SimulationError("pybullet cannot open a world" + (" with a window" if gui else ""))
+        self._obstacles = [
+            self._body(obstacle, _OBSTACLE_COLOURS[index % len(_OBSTACLE_COLOURS)], solid=True)
+            for index, obstacle in enumerate(field.obstacles)
+        ]
+        self._capsules: list[int] = []
+        self._decorations: list[int] = []
+        if arm_in_rays or gui:
+            self._create_arm()
+
+    def __enter__(self) -> "World":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Disconnect; further calls are errors, closing twice is not."""
+        if self._client >= 0:
+            with _silent_stdout():
+                self._bullet.disconnect(physicsClientId=self._client)
+            self._client = -1
+
+    def place(self, time: float, poses: Array | None = None) -> None:
+        """Move the obstacles to where they are at `time` [s], and the arm to body poses (B, 4, 4)."""
+        positions = self._field.positions(time)
+        for index, obstacle in enumerate(self._field.obstacles):
+            if obstacle.motion is not None:
+                self._move(self._obstacles[index], positions[index], obstacle.rotation)
+        if poses is not None and self._capsules:
+            starts, ends = self._arm.axes(poses)
+            for body, start, end in zip(self._capsules, starts, ends, strict=True):
+                rotation = axis_basis(end - start) if np.any(end != start) else np.eye(3)
+                self._move(body, 0.5 * (start + end), rotation)
+
+    def rays(self, origins: Array, ends: Array, carriers: NDArray[np.intp] | None = None) -> Array:
+        """How far rays get.
+
+        Args:
+            origins: (R, 3), world [m].
+            ends: (R, 3), world [m].
+            carriers: (R,) body that carries each sensor; its own capsules are transparent to the ray.
+
+        Returns:
+            (R,) fraction of the way to the first hit; 1 where nothing is hit. A ray that starts inside an
+            obstacle does not see it.
+        """
+        if not self._arm_in_rays or carriers is None:
+            return self._cast(origins, ends, _OBSTACLE_BIT)
+        fractions = np.ones(len(origins))
+        for body in np.unique(carriers):
+            chosen = carriers == body
+            fractions[chosen] = self._cast(origins[chosen], ends[chosen], -1 & ~self._arm_bit(int(body)))
+        return fractions
+
+    def render(
+        self,
+        time: float,
+        poses: Array,
+        *,
+        camera: Camera | None = None,
+        targets: Array | None = None,
+    ) -> NDArray[np.uint8]:
+        """Draw arm, obstacles and targets with the software renderer.
+
+        Args:
+            time: where moving obstacles are [s].
+            poses: body poses (B, 4, 4).
+            camera: default: from the front, a little above.
+            targets: (K, 3) drawn as small spheres, world [m]; the first call decides.
+
+        Returns:
+            (height, width, 3) RGB.
+        """
+        view, bullet = camera or Camera(), self._bullet
+        if not self._capsules:
+            self._create_arm()
+        if not self._decorations:
+            self._create_decorations(np.empty((0, 3)) if targets is None else targets)
+        self.place(time, poses)
+        eye = bullet.computeViewMatrixFromYawPitchRoll(
+            view.target, view.distance, view.yaw, view.pitch, 0.0, 2
+        )
+        lens = bullet.computeProjectionMatrixFOV(view.field_of_view, view.width / view.height, 0.05, 10.0)
+        with _silent_stdout():
+            _, _, pixels, _, _ = bullet.getCameraImage(
+                view.width,
+                view.height,
+                eye,
+                lens,
+                lightDirection=(1.0, -1.5, 3.0),
+                shadow=1,
+                renderer=bullet.ER_TINY_RENDERER,
+                flags=bullet.ER_NO_SEGMENTATION_MASK,
+                physicsClientId=self._client,
+            )
+        return np.asarray(pixels, dtype=np.uint8).reshape(view.height, view.width, 4)[:, :, :3].copy()
+
+    def _cast(self, origins: Array, ends: Array, mask: int) -> Array:
+        """Rays in batches that pybullet accepts; only bodies whose group is in `mask` stop them."""
+        largest = int(self._bullet.MAX_RAY_INTERSECTION_BATCH_SIZE)
+        fractions: list[float] = []
+        for first in range(0, len(origins), largest):
+            hits = self._bullet.rayTestBatch(
+                origins[first : first + largest].tolist(),
+                ends[first : first + largest].tolist(),
+                collisionFilterMask=mask,
+                physicsClientId=self._client,
+            )
+            fractions.extend(hit[2] if hit[0] >= 0 else 1.0 for hit in hits)
+        return np.array(fractions)
+
+    def _arm_bit(self, body: int) -> int:
+        """Collision group of the capsules that one body carries."""
+        return 2 << (body % (_ARM_BITS - 1))
+
+    def _move(self, body: int, position: Array, rotation: Array) -> None:
+        self._bullet.resetBasePositionAndOrientation(
+            body, position.tolist(), quaternion(rotation), physicsClientId=self._client
+        )
+
+    def _body(self, obstacle: Obstacle, colour: Colour, *, solid: bool, group: int = _OBSTACLE_BIT) -> int:
+        """A body without mass; one that is not `solid` is seen by the camera, but not by rays."""
+        bullet, client = self._bullet, {"physicsClientId": self._client}
+        sizes = {
+            "box": (bullet.GEOM_BOX, {"halfExtents": obstacle.half_size.tolist()}),
+            "sphere": (bullet.GEOM_SPHERE, {"radius": obstacle.radius}),
+            "capsule": (bullet.GEOM_CAPSULE, {"radius": obstacle.radius}),
+        }
+        kind, size = sizes[obstacle.shape]
+        # An axis' length has one name for what is touched and another for what is drawn.
+        touched, drawn = {"height": obstacle.length}, {"length": obstacle.length}
+        if obstacle.shape != "capsule":
+            touched, drawn = {}, {}
+        look = bullet.createVisualShape(
+            kind, rgbaColor=colour, specularColor=(0.1, 0.1, 0.1), **size, **drawn, **client
+        )
+        touch = bullet.createCollisionShape(kind, **size, **touched, **client) if solid else -1
+        body: int = bullet.createMultiBody(
+            0.0, touch, look, obstacle.position.tolist(), quaternion(obstacle.rotation), **client
+        )
+        if body < 0:
+            raise SimulationError(f"pybullet refuses obstacle '{obstacle.name}' ({obstacle.shape})")
+        if solid:
+            bullet.setCollisionFilterGroupMask(body, -1, group, -1, **client)
+        return body
+
+    def _create_arm(self) -> None:
+        """One body per capsule; a capsule of no length is a sphere."""
+        for index, capsule in enumerate(self._arm.model.capsules):
+            length = float(np.linalg.norm(capsule.end - capsule.start))
+            solid = Obstacle(
+                name=capsule.name,
+                shape="capsule" if length > 0.0 else "sphere",
+                half_size=np.zeros(3),
+                radius=capsule.radius,
+                length=length,
+                position=np.zeros(3),
+                rotation=np.eye(3),
+            )
+            colour = _ARM_COLOURS[index % len(_ARM_COLOURS)]
+            group = self._arm_bit(capsule.body)
+            self._capsules.append(self._body(solid, colour, solid=self._arm_in_rays, group=group))
+
+    def _create_decorations(self, targets: Array) -> None:
+        """Floor and targets, which rays never see."""
+        size, down = np.array([1.5, 1.5, 0.005]), np.array([0.0, 0.0, -0.006])
+        floor = Obstacle("floor", "box", size, 0.0, 0.0, down, np.eye(3))
+        self._decorations.append(self._body(floor, _FLOOR_COLOUR, solid=False))
+        for target in np.atleast_2d(targets):
+            if target.size:
+                ball = Obstacle("target", "sphere", np.zeros(3), 0.02, 0.0, target, np.eye(3))
+                self._decorations.append(self._body(ball, _TARGET_COLOUR, solid=False))
+
+
+def quaternion(rotation: Array) -> list[float]:
+    """x, y, z, w of a rotation matrix, by the largest of the four (no division by a small number)."""
+    m = rotation
+    squares = np.array(
+        [1 + m[0, 0] - m[1, 1] - m[2, 2], 1 - m[0, 0] + m[1, 1] - m[2, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2]]
+    )
+    trace = 1.0 + m[0, 0] + m[1, 1] + m[2, 2]
+    i = int(np.argmax(squares))
+    j, k = (i + 1) % 3, (i + 2) % 3
+    if trace > squares[i]:
+        xyzw = [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], trace]
+    else:
+        xyzw = [0.0, 0.0, 0.0, m[k, j] - m[j, k]]
+        xyzw[i], xyzw[j], xyzw[k] = squares[i], m[j, i] + m[i, j], m[k, i] + m[i, k]
+    unit = np.array(xyzw) / np.linalg.norm(xyzw)
+    return [float(component) for component in unit]
