@@ -1,0 +1,202 @@
+"""ReferenceController: the steps of docs/method.md in their order."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from proxgen.config.schema import Config
+from proxgen.controllers.protocol import OFF, Array, Command, Diagnostics, Measurement, Status
+from proxgen.controllers.reference import avoidance, objective, relaxation
+from proxgen.controllers.reference.faults import find_fault, within_limits
+from proxgen.controllers.reference.kinematics import Arm
+from proxgen.controllers.reference.parameters import changed, default_parameters
+from proxgen.controllers.reference.qp import QuadraticProgram
+from proxgen.errors import ControllerError
+from proxgen.model.robot_model import RobotModel
+
+
+class ReferenceController:
+    """The controller that a compiled one is compared with.
+
+    Attributes:
+        model: the arm.
+    """
+
+    def __init__(self, config: Config, model: RobotModel) -> None:
+        """Start with the parameters of the configuration, at rest.
+
+        Args:
+            config: a loaded configuration.
+            model: the arm that it describes.
+        """
+        self.model = model
+        self._parameters = default_parameters(config, model)
+        self._schedule = config.avoidance.schedule
+        self._active = config.avoidance.active.enabled
+        self._soft = config.relaxation.mode == "slack"
+        self._tolerance = config.solver.tolerance
+        self._max_points = config.skin.max_points
+        self._arm = Arm(model)
+        self._sensors = avoidance.SensorPoints(model)
+        self.reset()
+
+    @property
+    def parameters(self) -> Mapping[str, float | Array]:
+        """All run-time parameters by name (see docs/method.md, table of parameters); copies."""
+        return MappingProxyType(self._parameters.as_dict())
+
+    def set_parameters(self, **values: Any) -> None:
+        """Change parameters by name; all or, if one is not accepted, none.
+
+        Raises:
+            ControllerError: a name, a shape or a value that is not accepted.
+        """
+        self._parameters = changed(self._parameters, values)
+
+    def reset(self) -> None:
+        """Forget the previous velocity and the previous time."""
+        self._previous_time: float | None = None
+        self._qdot_previous = np.zeros(self.model.n)
+
+    def follow(self, qdot: Array) -> None:
+        """Take (n,) `qdot` for the previous command: what another controller gave to the arm [rad/s]."""
+        self._qdot_previous = _vector("qdot", qdot, self.model.n)
+
+    def step(self, q: Array, xdot: Array, measurement: Measurement) -> Command:
+        """One control cycle.
+
+        Args:
+            q: (n,) joint positions [rad or m].
+            xdot: (m,) task velocity [m/s, rad/s].
+            measurement: what the sensors saw.
+
+        Raises:
+            ControllerError: an array of the wrong size.
+        """
+        q, xdot = _vector("q", q, self.model.n), _vector("xdot", xdot, self.model.m)
+        self._check_sizes(measurement)
+        p, time = self._parameters, measurement.time
+        fault = find_fault(q, xdot, measurement, self._sensors.tof_limit, self._previous_time, p)
+        later = self._previous_time is None or time > self._previous_time
+        if later and fault is not Status.FAULT_NOT_FINITE:
+            self._previous_time = time
+        if fault is not None:
+            return self._safe_stop(fault, q)
+        self._arm.move_to(q)
+        points = self._sensors.see(self._arm, measurement)
+        influence = max(avoidance.thresholds(self._schedule, p).on, p.d_active)
+        nearest = avoidance.nearest_points(self._arm, self.model.capsules, points, influence)
+        if nearest.inside:
+            return self._safe_stop(Status.FAULT_OBSTACLE_INSIDE, q)
+        return self._solve(q, xdot, nearest)
+
+    def _solve(self, q: Array, xdot: Array, nearest: avoidance.Nearest) -> Command:
+        """Steps 4 to 7: rows, objective, bounds, decision."""
+        p = self._parameters
+        rows = avoidance.rows(self._arm, self.model.capsules, nearest, self._schedule, self._active, p)
+        J = self._arm.task_jacobian()
+        w = objective.manipulability(J)
+        damping = objective.damping(w, p)
+        H, g = objective.objective(J, xdot, q, damping, p)
+        lb, ub = objective.bounds(q, self._qdot_previous, p)
+        decision = self._decide(QuadraticProgram(H, g, rows.A, rows.b, lb, ub), rows, nearest.distance)
+        solution = decision.solution
+        qdot = np.zeros(q.size) if solution is None else solution.x[: q.size]
+        diagnostics = Diagnostics(
+            H=H,
+            g=g,
+            A=rows.A,
+            ubA=rows.b,
+            lb=lb,
+            ub=ub,
+            row_on=rows.on,
+            distance=nearest.distance,
+            nearest_point=nearest.obstacle,
+            approach_speed=rows.approach_speed,
+            manipulability=w,
+            damping=damping,
+            slack=decision.slack,
+            kkt_residual=np.nan if solution is None else solution.residual,
+            iterations=decision.iterations,
+            solves=decision.solves,
+            second_chances=decision.second_chances,
+        )
+        return self._command(qdot, decision.status, diagnostics)
+
+    def _decide(
+        self, program: QuadraticProgram, rows: avoidance.Rows, distance: Array
+    ) -> relaxation.Decision:
+        """Step 6, in the mode of the configuration."""
+        p = self._parameters
+        if self._soft:
+            return relaxation.soft(program, rows.on, distance, p, self._tolerance)
+        limits = avoidance.thresholds(self._schedule, p)
+        return relaxation.staged(program, rows.on, distance, limits, self._tolerance)
+
+    def _safe_stop(self, fault: Status, q: Array) -> Command:
+        """q̇ = clamp(0, lb, ub), with no QP behind it: no rows, and nothing known of H and g."""
+        p, model = self._parameters, self.model
+        usable = within_limits(q, p)
+        lb, ub = (
+            objective.bounds(q, self._qdot_previous, p)
+            if usable
+            else objective.blind_bounds(self._qdot_previous, p)
+        )
+        n, slots = model.n, len(model.capsules)
+        count = slots + self._active
+        diagnostics = Diagnostics(
+            H=np.zeros((n, n)),
+            g=np.zeros(n),
+            A=np.zeros((count, n)),
+            ubA=np.full(count, OFF),
+            lb=lb,
+            ub=ub,
+            row_on=np.zeros(count, dtype=bool),
+            distance=np.full(slots, np.inf),
+            nearest_point=np.full((slots, 3), np.nan),
+            approach_speed=np.full(slots, np.inf),
+            manipulability=np.nan,
+            damping=np.nan,
+            slack=np.zeros(count),
+            kkt_residual=np.nan,
+            iterations=0,
+            solves=0,
+            second_chances=0,
+        )
+        return self._command(np.zeros(n), fault, diagnostics)
+
+    def _command(self, qdot: Array, status: Status, diagnostics: Diagnostics) -> Command:
+        """The command, within its bounds to the last bit; it is the next cycle's previous one."""
+        command = Command(np.clip(qdot, diagnostics.lb, diagnostics.ub), status, diagnostics)
+        self._qdot_previous = command.qdot
+        return command
+
+    def _check_sizes(self, measurement: Measurement) -> None:
+        """Refuse arrays that do not fit this arm's skin."""
+        tof, capacitive = len(self.model.tof_modules), len(self.model.capacitive_modules)
+        _vector("measurement.tof_range", measurement.tof_range, tof)
+        _vector("measurement.capacitive", measurement.capacitive, capacitive)
+        if measurement.tof_age is not None:
+            _vector("measurement.tof_age", measurement.tof_age, tof)
+        if measurement.capacitive_age is not None:
+            _vector("measurement.capacitive_age", measurement.capacitive_age, capacitive)
+        points = np.asarray(measurement.points, dtype=float)
+        if points.ndim != 2 or points.shape[1] != 3:
+            raise ControllerError(f"measurement.points must have the shape (P, 3), not {points.shape}")
+        if len(points) > self._max_points:
+            raise ControllerError(
+                f"measurement.points holds {len(points)} points; skin.max_points allows {self._max_points}"
+            )
+
+
+def _vector(name: str, value: Any, size: int) -> Array:
+    """A copy as floats of the right size."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ControllerError(f"{name} must be {size} numbers, not {value!r}") from error
+    if array.shape != (size,):
+        raise ControllerError(f"{name} must be {size} numbers, not shape {array.shape}")
+    return array

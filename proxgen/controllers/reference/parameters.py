@@ -1,0 +1,183 @@
+"""The parameters that stay settable at run time: values from the configuration, and what is accepted."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from proxgen.config.schema import Config
+from proxgen.controllers.protocol import OFF, Array
+from proxgen.errors import ControllerError, unknown_name
+from proxgen.model.robot_model import RobotModel
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """One field per row of the table in docs/method.md; vectors are (n,). SI units and radians."""
+
+    q_lower: Array
+    q_upper: Array
+    qdot_limit: Array
+    qddot_limit: Array
+    joint_damper: float
+    viability: float
+    limit_tolerance: float
+    period: float
+    max_period: float
+    sensor_timeout: float
+    d_a: float
+    d_0u: float
+    d_0l: float
+    d_r: float
+    approach_speed: float
+    repulse_speed: float
+    damper_influence: float
+    damper_safety: float
+    damper_gain: float
+    damper_repulse_speed: float
+    row_speed: float
+    d_active: float
+    damping_gain: float
+    damping_threshold: float
+    damping_floor: float
+    slack_weight: float
+    slack_minimum: float
+    slack_maximum: float
+    slack_active_weight: float
+    posture_weight: Array
+    posture_gain: float
+    posture: Array
+
+    def as_dict(self) -> dict[str, float | Array]:
+        """All parameters by name; vectors are copies."""
+        return asdict(self)
+
+
+def default_parameters(config: Config, model: RobotModel) -> Parameters:
+    """The values that a controller starts with (column "from the configuration" of the table)."""
+    limits, avoidance, slack = config.limits, config.avoidance, config.relaxation.slack
+    damper, damping, posture = config.avoidance.damper, config.damping, config.task.posture
+    preferred = posture.joints if posture else {}
+    weight = posture.weight if posture else 0.0
+    return Parameters(
+        q_lower=model.q_lower.astype(float),
+        q_upper=model.q_upper.astype(float),
+        qdot_limit=model.qdot_limit.astype(float),
+        qddot_limit=model.qddot_limit.astype(float),
+        joint_damper=OFF if limits.joint_damper is None else limits.joint_damper,
+        viability=float(limits.viability),
+        limit_tolerance=limits.tolerance,
+        period=1.0 / config.control.rate,
+        max_period=config.control.deadline or 0.0,
+        sensor_timeout=config.skin.timeout,
+        d_a=avoidance.d_a,
+        d_0u=avoidance.d_0u,
+        d_0l=avoidance.d_0l,
+        d_r=avoidance.d_r,
+        approach_speed=avoidance.approach_speed,
+        repulse_speed=avoidance.repulse_speed,
+        damper_influence=damper.influence_distance,
+        damper_safety=damper.safety_distance,
+        damper_gain=damper.gain,
+        damper_repulse_speed=damper.repulse_speed,
+        row_speed=avoidance.row_speed,
+        d_active=avoidance.active.distance,
+        damping_gain=damping.gain,
+        damping_threshold=damping.threshold,
+        damping_floor=damping.floor,
+        slack_weight=slack.weight,
+        slack_minimum=slack.minimum,
+        slack_maximum=slack.maximum,
+        slack_active_weight=slack.active_weight,
+        posture_weight=np.array([weight if name in preferred else 0.0 for name in model.joint_names]),
+        posture_gain=posture.gain if posture else 0.0,
+        posture=np.array([preferred.get(name, 0.0) for name in model.joint_names]),
+    )
+
+
+_ABOVE_ZERO = (lambda value: value > 0.0, "greater than 0")
+_NOT_NEGATIVE = (lambda value: value >= 0.0, "0 or greater")
+_NOT_POSITIVE = (lambda value: value <= 0.0, "0 or less")
+
+_ACCEPTED: dict[str, tuple[Callable[[Array], Any], str]] = {
+    "qdot_limit": _ABOVE_ZERO,
+    "qddot_limit": _ABOVE_ZERO,
+    "joint_damper": _ABOVE_ZERO,
+    "viability": (lambda value: (value == 0.0) | (value == 1.0), "0 or 1"),
+    "limit_tolerance": _NOT_NEGATIVE,
+    "period": _ABOVE_ZERO,
+    "max_period": _NOT_NEGATIVE,
+    "sensor_timeout": _ABOVE_ZERO,
+    "d_r": _NOT_NEGATIVE,
+    "approach_speed": _ABOVE_ZERO,
+    "repulse_speed": _NOT_POSITIVE,
+    "damper_safety": _NOT_NEGATIVE,
+    "damper_gain": _ABOVE_ZERO,
+    "damper_repulse_speed": _NOT_POSITIVE,
+    "row_speed": _ABOVE_ZERO,
+    "d_active": _ABOVE_ZERO,
+    "damping_gain": _NOT_NEGATIVE,
+    "damping_threshold": _NOT_NEGATIVE,
+    "damping_floor": (lambda value: value >= 1e-9, "at least 1e-9"),
+    "slack_weight": _ABOVE_ZERO,
+    "slack_minimum": _ABOVE_ZERO,
+    "slack_maximum": _ABOVE_ZERO,
+    "slack_active_weight": _ABOVE_ZERO,
+    "posture_weight": _NOT_NEGATIVE,
+    "posture_gain": _NOT_NEGATIVE,
+}
+"""Column "accepted" of the table, for the parameters that are accepted or refused by themselves."""
+
+
+def changed(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
+    """A copy with some values replaced.
+
+    Args:
+        parameters: the present ones; they stay as they are.
+        values: new values by name: numbers, and sequences of n numbers for the vectors.
+
+    Raises:
+        ControllerError: a name that does not exist, a wrong shape, or a value that is not accepted.
+    """
+    names = [field.name for field in fields(Parameters)]
+    replacement: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in names:
+            raise ControllerError(unknown_name("parameter", name, names))
+        replacement[name] = _converted(name, value, np.shape(getattr(parameters, name)))
+    new = replace(parameters, **replacement)
+    _check_orders(new)
+    return new
+
+
+def _converted(name: str, value: Any, shape: tuple[int, ...]) -> float | Array:
+    """The value as a float or an array of its own, if it has the shape and each number is accepted."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ControllerError(f"parameter '{name}' must be {_shape_words(shape)}, not {value!r}") from error
+    if array.shape != shape:
+        raise ControllerError(f"parameter '{name}' must be {_shape_words(shape)}, not shape {array.shape}")
+    if not np.all(np.abs(array) <= OFF):
+        raise ControllerError(f"parameter '{name}' must be within -1e20 and 1e20, not {value!r}")
+    accepted, words = _ACCEPTED.get(name, (np.isfinite, "finite"))
+    if not np.all(accepted(array)):
+        raise ControllerError(f"parameter '{name}' must be {words}, not {value!r}")
+    return array if shape else float(array)
+
+
+def _shape_words(shape: tuple[int, ...]) -> str:
+    """A shape in words."""
+    return f"{shape[0]} numbers" if shape else "one number"
+
+
+def _check_orders(p: Parameters) -> None:
+    """Refuse values that are right by themselves, but not together."""
+    if not np.all(p.q_lower < p.q_upper):
+        raise ControllerError("parameter 'q_lower' must be less than 'q_upper' at every joint")
+    if not p.d_a > p.d_0u >= p.d_0l > p.d_r:
+        found = f"{p.d_a:g}, {p.d_0u:g}, {p.d_0l:g}, {p.d_r:g}"
+        raise ControllerError(f"distances must keep the order d_a > d_0u >= d_0l > d_r, not {found}")
+    if not p.damper_influence > p.damper_safety:
+        raise ControllerError("parameter 'damper_influence' must be greater than 'damper_safety'")
