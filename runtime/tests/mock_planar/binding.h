@@ -1,11 +1,12 @@
-/* Binds the names that runtime/ uses to the robot `planar`: a hand-written stand-in for what proxgen generates. */
+/* Binds the names that runtime/ uses to the robot `planar`: a hand-written stand-in for what proxgen
+ * generates. */
 #ifndef PLANAR_BINDING_H
 #define PLANAR_BINDING_H
 
 #include "controller.h"
 #include "model.h"
 
-#define PG_MODEL_ABI 1
+#define PG_MODEL_ABI  1
 #define PG_NAME(name) planar_##name
 
 #define PG_N          PLANAR_JOINTS

@@ -1,0 +1,97 @@
+/* One control cycle: the steps of docs/method.md, in their order. */
+#include "state.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Bounds of velocity and acceleration alone, where q is of no use for those of position. */
+static void bounds_without_position(pg_controller_t *controller) {
+  const pg_parameters_t *p = &controller->parameters;
+  for (int j = 0; j < PG_N; j++) {
+    const double limit = p->qdot_limit[j], step = p->qddot_limit[j] * p->period;
+    const double low = controller->qdot_previous[j] - step, high = controller->qdot_previous[j] + step;
+    controller->cycle.lb[j] = low > limit ? limit : low > -limit ? low : -limit;
+    controller->cycle.ub[j] = high < -limit ? -limit : high < limit ? high : limit;
+  }
+}
+
+/* The safe stop: the velocity nearest to zero that the bounds allow. */
+static void brake(const pg_controller_t *controller, double qdot[PG_N]) {
+  const double *lb = controller->cycle.lb, *ub = controller->cycle.ub;
+  for (int j = 0; j < PG_N; j++)
+    qdot[j] = lb[j] > 0.0 ? lb[j] : ub[j] < 0.0 ? ub[j] : 0.0;
+}
+
+/* Diagnostics of a cycle in which nothing has happened yet. */
+static void begin(pg_diagnostics_t *cycle) {
+  memset(cycle->row_on, 0, sizeof cycle->row_on);
+  cycle->kkt_residual = NAN;
+  cycle->iterations = cycle->solves = cycle->second_chances = 0;
+}
+
+/* Steps 0 to 7 up to a decision. Bounds are always written; a solution only if the status is a success. */
+static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], const double xdot[PG_M],
+                          const pg_measurement_t *seen) {
+  const pg_parameters_t *p = &controller->parameters;
+  pg_diagnostics_t *cycle = &controller->cycle;
+
+  pg_status_t status = pg_check_input(controller, q, xdot, seen);
+  if (status == PG_FAULT_NOT_FINITE || status == PG_FAULT_JOINT_LIMIT)
+    bounds_without_position(controller);
+  else
+    pg_model_bounds(p, q, controller->qdot_previous, cycle->lb, cycle->ub);
+  if (status != PG_SOLVED) return status;
+
+  pg_model_kinematics(q, &controller->kinematics);
+  status = pg_find_nearest(controller, seen);
+  if (status != PG_SOLVED) return status;
+  pg_write_rows(controller);
+  pg_model_objective(p, &controller->kinematics, q, xdot, cycle->H, cycle->g, &cycle->manipulability,
+                     &cycle->damping);
+  return pg_solve_by_stages(controller);
+}
+
+/* Adds the cycle to the counters. */
+static void count(pg_controller_t *controller, pg_status_t status) {
+  const pg_diagnostics_t *cycle = &controller->cycle;
+  pg_counters_t *counters = &controller->counters;
+  counters->cycles++;
+  counters->status_count[status]++;
+  counters->solves += (unsigned long long)cycle->solves;
+  counters->iterations += (unsigned long long)cycle->iterations;
+  counters->second_chances += (unsigned long long)cycle->second_chances;
+  if (cycle->iterations > counters->max_iterations_in_cycle)
+    counters->max_iterations_in_cycle = cycle->iterations;
+}
+
+/* PG_SOLVED if the call can be served at all. */
+static pg_status_t check_call(const double *q, const double *xdot, const pg_measurement_t *seen) {
+  if (!q || !xdot || !seen || (PG_TOF > 0 && !seen->tof_range) || (PG_CAPACITIVE > 0 && !seen->capacitive) ||
+      (seen->point_count > 0 && !seen->points))
+    return PG_ERROR_NULL;
+  return seen->point_count < 0 || seen->point_count > PG_MAX_POINTS ? PG_ERROR_SIZE : PG_SOLVED;
+}
+
+pg_status_t pg_step(pg_controller_t *controller, const double q[PG_N], const double xdot[PG_M],
+                    const pg_measurement_t *seen, double qdot[PG_N]) {
+  if (!controller || !qdot) {
+    if (qdot) memset(qdot, 0, PG_N * sizeof(double));
+    return PG_ERROR_NULL;
+  }
+  begin(&controller->cycle);
+  const pg_status_t wrong_call = check_call(q, xdot, seen);
+  const pg_status_t status = wrong_call == PG_SOLVED ? decide(controller, q, xdot, seen) : wrong_call;
+  if (wrong_call != PG_SOLVED) {
+    bounds_without_position(controller);
+    controller->counters.errors++;
+  } else {
+    count(controller, status);
+  }
+
+  if (status >= PG_SOLVED && status < PG_STOPPED_INFEASIBLE)
+    memcpy(qdot, controller->solution.x, PG_N * sizeof(double));
+  else
+    brake(controller, qdot);
+  memcpy(controller->qdot_previous, qdot, PG_N * sizeof(double));
+  return status;
+}

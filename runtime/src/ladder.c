@@ -1,0 +1,124 @@
+/* Step 6: the reduction ladder (IV.C). The first stage that is feasible decides; with soft rows there is only
+ * one.
+ *
+ * The feasible sets grow from stage to stage. A stage counts as infeasible only with a proof, or if two
+ * solves, the second from nothing, agree on it; as solved only with a certificate. */
+#include "state.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Makes stage `stage` out of the one before it; returns 0 if the QP stays as it was. */
+static int relax(const pg_controller_t *controller, pg_status_t stage, double ubA[PG_ROWS]) {
+  const pg_parameters_t *p = &controller->parameters;
+  int changed = 0;
+  for (int slot = 0; slot < PG_ROWS; slot++) {
+    if (ubA[slot] >= PG_OFF) continue;
+    const int is_capsule = slot < PG_CAPSULES;
+    const double distance = is_capsule ? controller->nearest[slot].distance : INFINITY;
+    const int drop = (stage == PG_REDUCED_ACTIVE && !is_capsule) ||
+                     (stage == PG_REDUCED_DISTANT && distance > PG_D_DISTANT(p)) ||
+                     (stage == PG_REDUCED_CRITICAL && distance > PG_D_CRITICAL(p));
+    const int raise = stage == PG_REDUCED_REPULSION && ubA[slot] < 0.0;
+    if (drop || raise) {
+      ubA[slot] = drop ? PG_OFF : 0.0;
+      changed = 1;
+    }
+  }
+  return changed;
+}
+
+/* A certified solution may be outside its bounds by the tolerance; a command may not. */
+static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
+  for (int j = 0; j < PG_N; j++)
+    x[j] = x[j] < qp->lb[j] ? qp->lb[j] : x[j] > qp->ub[j] ? qp->ub[j] : x[j];
+}
+
+/* One solve; says PG_OPTIMAL only with a certificate, and sets `proven` if PG_INFEASIBLE came with a proof.
+ */
+static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start, int *proven) {
+  pg_diagnostics_t *cycle = &controller->cycle;
+  pg_solution_t *solution = &controller->solution;
+  pg_outcome_t outcome = pg_solver_solve(controller->solver, qp, start, solution);
+#ifdef PG_TEST_HOOK
+  pg_test_hook(start, &outcome, solution);
+#endif
+  cycle->solves++;
+  cycle->iterations += solution->iterations;
+
+  *proven = 0;
+  if (outcome == PG_OPTIMAL) {
+    keep_within_bounds(qp, solution->x);
+    const double residual = pg_kkt_residual(qp, solution);
+    if (!(residual <= PG_TOLERANCE)) {
+      controller->counters.certificate_failures++;
+      return PG_UNSOLVED;
+    }
+    cycle->kkt_residual = residual;
+  } else if (outcome == PG_INFEASIBLE && pg_proves_infeasible(qp, solution->y)) {
+    memcpy(controller->contradiction, solution->y, sizeof controller->contradiction);
+    *proven = 1;
+  }
+  return outcome;
+}
+
+/* Solves one stage; a first answer that proves nothing gets a second chance from nothing. */
+static pg_outcome_t solve(pg_controller_t *controller, const pg_qp_t *qp) {
+  int proven;
+  pg_outcome_t outcome = attempt(controller, qp, PG_HOT, &proven);
+  if (outcome == PG_UNSOLVED || (outcome == PG_INFEASIBLE && !proven)) {
+    controller->cycle.second_chances++;
+    outcome = attempt(controller, qp, PG_COLD, &proven);
+  }
+  return outcome;
+}
+
+#if PG_RELAXATION_SLACK
+/* 1/rho of all rows: by distance for a capsule's row that is on. */
+static void soften(pg_controller_t *controller) {
+  const pg_parameters_t *p = &controller->parameters;
+  for (int slot = 0; slot < PG_ROWS; slot++) {
+    double weight = slot < PG_CAPSULES ? p->slack_weight : p->slack_active_weight;
+    if (slot < PG_CAPSULES && controller->cycle.row_on[slot])
+      pg_model_slack_weight(p, controller->nearest[slot].distance, &weight);
+    controller->softness[slot] = 1.0 / weight;
+  }
+}
+
+/* How far the solution exceeds each row: s = y / rho. */
+static void note_slack(pg_controller_t *controller) {
+  for (int slot = 0; slot < PG_ROWS; slot++)
+    controller->cycle.slack[slot] = controller->softness[slot] * controller->solution.y[slot];
+}
+#endif
+
+pg_status_t pg_solve_by_stages(pg_controller_t *controller) {
+  const pg_diagnostics_t *cycle = &controller->cycle;
+  const pg_qp_t qp = {.H = cycle->H,
+                      .g = cycle->g,
+                      .A = cycle->A,
+                      .lb = cycle->lb,
+                      .ub = cycle->ub,
+                      .ubA = controller->ubA,
+                      .softness = controller->softness};
+  memcpy(controller->ubA, cycle->ubA, sizeof controller->ubA);
+#if PG_RELAXATION_SLACK
+  soften(controller);
+  pg_solver_load(controller->solver, &qp);
+  if (solve(controller, &qp) != PG_OPTIMAL) return PG_STOPPED_SOLVER;
+  note_slack(controller);
+  return PG_SOLVED;
+#else
+  pg_solver_load(controller->solver, &qp);
+  pg_outcome_t outcome = PG_UNSOLVED;
+  for (int stage = PG_SOLVED; stage <= PG_REDUCED_CRITICAL; stage++) {
+    if (stage != PG_SOLVED && !relax(controller, (pg_status_t)stage, controller->ubA)) continue;
+    /* What contradicted itself in the last stage, or the last cycle, often still does: no need to solve. */
+    const int known = pg_proves_infeasible(&qp, controller->contradiction);
+    outcome = known ? PG_INFEASIBLE : solve(controller, &qp);
+    if (outcome == PG_OPTIMAL) return (pg_status_t)stage;
+  }
+  /* The last stage asks least: if it is infeasible, all are. */
+  return outcome == PG_INFEASIBLE ? PG_STOPPED_INFEASIBLE : PG_STOPPED_SOLVER;
+#endif
+}

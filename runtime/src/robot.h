@@ -1,0 +1,34 @@
+/* The robot that this copy of the runtime is compiled for, and the names of everything inside it.
+ *
+ * "binding.h" comes from the robot's generated folder. All internal functions carry the robot's prefix too,
+ * so that the controllers of two robots link into one program. */
+#ifndef PROXGEN_ROBOT_H
+#define PROXGEN_ROBOT_H
+
+#include "binding.h"
+#include "proxgen/types.h"
+
+#if PG_MODEL_ABI != PG_ABI_VERSION
+#error "generated code and runtime are of different versions: run `proxgen generate` again"
+#endif
+
+#ifdef __FAST_MATH__
+#error "-ffast-math removes the checks for NaN and infinity on which this runtime relies"
+#endif
+
+#define pg_check_input        PG_NAME(internal_check_input)
+#define pg_find_nearest       PG_NAME(internal_find_nearest)
+#define pg_write_rows         PG_NAME(internal_write_rows)
+#define pg_solve_by_stages    PG_NAME(internal_solve_by_stages)
+#define pg_kkt_residual       PG_NAME(internal_kkt_residual)
+#define pg_proves_infeasible  PG_NAME(internal_proves_infeasible)
+#define pg_parameters_allowed PG_NAME(internal_parameters_allowed)
+#define pg_solver_name        PG_NAME(internal_solver_name)
+#define pg_solver_create      PG_NAME(internal_solver_create)
+#define pg_solver_destroy     PG_NAME(internal_solver_destroy)
+#define pg_solver_reset       PG_NAME(internal_solver_reset)
+#define pg_solver_load        PG_NAME(internal_solver_load)
+#define pg_solver_solve       PG_NAME(internal_solver_solve)
+#define pg_test_hook          PG_NAME(internal_test_hook)
+
+#endif

@@ -1,0 +1,74 @@
+/* What the controller asks of a QP solver. One of solver_<backend>.{c,cpp} is compiled behind it.
+ *
+ *     min 1/2 x'Hx + g'x   subject to   lb <= x <= ub,   A x - softness*y <= ubA
+ *
+ * H is symmetric and positive definite. y >= 0 are the multipliers of the rows; softness is 0 for a hard row
+ * and 1/rho for one that may be exceeded by s at the cost of 1/2 rho s^2 (then s = y/rho). A row with ubA =
+ * PG_OFF is off.
+ *
+ * Every answer is checked by certificate.c; a solver may be wrong, but has to come to an end, and be finite
+ * in its work: at most PG_MAX_ITERATIONS working-set changes. */
+#ifndef PROXGEN_SOLVER_H
+#define PROXGEN_SOLVER_H
+
+#include "robot.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {
+  const double *H;        /* [N][N] */
+  const double *g;        /* [N] */
+  const double *A;        /* [ROWS][N]; no row is ever zero */
+  const double *lb;       /* [N] */
+  const double *ub;       /* [N] */
+  const double *ubA;      /* [ROWS] */
+  const double *softness; /* [ROWS] */
+} pg_qp_t;
+
+typedef enum {
+  PG_OPTIMAL,    /* x and y are the solution */
+  PG_INFEASIBLE, /* no x meets all rows; y >= 0 weighs rows that contradict each other, or is zero */
+  PG_UNSOLVED    /* anything else */
+} pg_outcome_t;
+
+typedef enum {
+  PG_HOT, /* from the working set of the last solution */
+  PG_COLD /* from nothing */
+} pg_start_t;
+
+typedef struct {
+  double x[PG_N];
+  double y[PG_ROWS];
+  int iterations; /* working-set changes */
+} pg_solution_t;
+
+typedef struct pg_solver pg_solver_t;
+
+extern const char *const pg_solver_name;
+
+/* Sets up a solver in `memory`, PG_SOLVER_MEMORY bytes, aligned to 16. */
+pg_status_t pg_solver_create(void *memory, pg_solver_t **solver);
+void pg_solver_destroy(pg_solver_t *solver);
+
+/* Forgets the last working set. */
+void pg_solver_reset(pg_solver_t *solver);
+
+/* Takes over the QP of a new cycle: everything but ubA, which may have rows switched off or raised from solve
+ * to solve. A row that is off here stays off until the next load. The QP has to outlive the solves. */
+void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp);
+
+/* Solves the loaded QP with the ubA that it has now. */
+pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
+                             pg_solution_t *solution);
+
+#ifdef PG_TEST_HOOK
+/* In tests only: called after each solve, and may falsify the answer. */
+void pg_test_hook(pg_start_t start, pg_outcome_t *outcome, pg_solution_t *solution);
+#endif
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,259 @@
+/* Back end DAQP (Arnstrom, Bemporad, Axehill 2022): a dual active-set method in plain C, no heap use.
+ *
+ * DAQP's core solves a least-distance problem; its own interface forms that problem afresh for every solve,
+ * on the heap. Here it is formed once per cycle, with sizes known to the compiler, and all stages of the
+ * ladder share it: H = R'R,  u = Rx + v,  v = R^-T g   =>   min ||u||^2  s.t.  M u <= ubA + M v  with  M = A
+ * R^-1 Rows and bounds are scaled to unit length in u, which is what DAQP's tolerances are made for. */
+#include "solver.h"
+
+#include "daqp.h"
+
+#include <math.h>
+#include <string.h>
+
+enum {
+  N = PG_N,
+  ROWS = PG_ROWS,
+  SIDES = N + ROWS,                       /* constraints: first the bounds, then the rows */
+  ACTIVE = N + PG_RELAXATION_SLACK * ROWS /* greatest working set; a soft row adds a dimension of its own */
+};
+
+/* Bounds and rows may be exceeded by this much; q_dot is to be exact to 1e-8. */
+#define PRIMAL_TOLERANCE 1e-9
+
+/* Bounds that are closer to each other are one value. */
+#define EQUAL_BOUNDS 1e-11
+
+struct pg_solver {
+  DAQPWorkspace work;
+  DAQPSettings settings;
+  int usable; /* H could be factorised */
+
+  double Rinv[N * (N + 1) / 2]; /* R^-1, packed by rows, each scaled to unit length */
+  double v[N];
+  double M[ROWS * N];
+  double scaling[SIDES];
+  double shift[SIDES]; /* scaled row times v: what u has more than Rx */
+  double dupper[SIDES], dlower[SIDES];
+  double softness[SIDES]; /* of the rows, if they are soft */
+  int sense[SIDES];
+  int last[SIDES]; /* working set of the last solution, as flags of `sense` */
+
+  /* DAQP's own working space, one more than the greatest working set. */
+  double u[N], xold[N];
+  double products[ROWS];
+  double lam[ACTIVE + 1], lam_star[ACTIVE + 1], D[ACTIVE + 1], xldl[ACTIVE + 1], zldl[ACTIVE + 1];
+  double L[(ACTIVE + 1) * (ACTIVE + 2) / 2];
+  int working_set[ACTIVE + 1];
+};
+
+const char *const pg_solver_name = "daqp";
+
+/* First element of row i of the packed R^-1 would be at column 0; columns before i are not stored. */
+static double *packed_row(double *packed, int i) {
+  return packed + (2 * N - i - 1) * i / 2;
+}
+
+/* H = R'R and its inverse factor, both upper triangular; 0 if H is not safely positive definite. */
+static int factorise(const double *H, double Rinv[N][N]) {
+  double R[N][N];
+  for (int i = 0; i < N; i++) {
+    double pivot = H[i * N + i];
+    for (int k = 0; k < i; k++)
+      pivot -= R[k][i] * R[k][i];
+    if (!(pivot > 1e-15 && pivot < PG_OFF)) return 0;
+    const double inverse = 1.0 / sqrt(pivot);
+    Rinv[i][i] = inverse;
+    for (int j = i + 1; j < N; j++) {
+      double sum = H[i * N + j];
+      for (int k = 0; k < i; k++)
+        sum -= R[k][i] * R[k][j];
+      R[i][j] = sum * inverse;
+    }
+  }
+  for (int j = 1; j < N; j++)
+    for (int i = j - 1; i >= 0; i--) {
+      double sum = 0.0;
+      for (int k = i + 1; k <= j; k++)
+        sum -= R[i][k] * Rinv[k][j];
+      Rinv[i][j] = sum * Rinv[i][i];
+    }
+  return 1;
+}
+
+/* Scales `count` entries to unit length; returns the factor. */
+static double normalise(double *row, int count) {
+  double squared = 0.0;
+  for (int j = 0; j < count; j++)
+    squared += row[j] * row[j];
+  const double factor = 1.0 / sqrt(squared);
+  for (int j = 0; j < count; j++)
+    row[j] *= factor;
+  return factor;
+}
+
+/* lb <= x <= ub in terms of u: row i of R^-1, scaled. */
+static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][N]) {
+  for (int i = 0; i < N; i++) {
+    double *row = packed_row(solver->Rinv, i), shift = 0.0;
+    memcpy(row + i, &Rinv[i][i], (size_t)(N - i) * sizeof(double));
+    const double scaling = normalise(row + i, N - i);
+    for (int j = i; j < N; j++)
+      shift += row[j] * solver->v[j];
+    solver->scaling[i] = scaling;
+    solver->dlower[i] = qp->lb[i] * scaling + shift;
+    solver->dupper[i] = qp->ub[i] * scaling + shift;
+  }
+}
+
+/* A row in terms of u: A R^-1, scaled. Its right-hand side follows with each solve. */
+static void place_row(pg_solver_t *solver, const double *A, int i, double Rinv[N][N]) {
+  double *row = &solver->M[i * N], shift = 0.0;
+  for (int j = 0; j < N; j++) {
+    double sum = 0.0;
+    for (int k = 0; k <= j; k++)
+      sum += A[i * N + k] * Rinv[k][j];
+    row[j] = sum;
+  }
+  solver->scaling[N + i] = normalise(row, N);
+  for (int j = 0; j < N; j++)
+    shift += row[j] * solver->v[j];
+  solver->shift[N + i] = shift;
+  solver->dlower[N + i] = -DAQP_INF;
+}
+
+/* Flags of a constraint that is part of the problem, with its state in the last solution if that is wanted.
+ */
+static int starting_sense(const pg_solver_t *solver, int side, pg_start_t start) {
+  return start == PG_HOT ? solver->last[side] : 0;
+}
+
+/* Right-hand sides and flags for a solve: a constraint that is off is immutable and not active, so DAQP
+ * ignores it. */
+static void place_sides(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start) {
+  for (int i = 0; i < N; i++)
+    solver->sense[i] = qp->ub[i] - qp->lb[i] < EQUAL_BOUNDS ? DAQP_ACTIVE | DAQP_IMMUTABLE
+                                                            : starting_sense(solver, i, start);
+  for (int i = 0; i < ROWS; i++) {
+    const int side = N + i;
+    solver->sense[side] = qp->ubA[i] >= PG_OFF
+                              ? DAQP_IMMUTABLE
+                              : starting_sense(solver, side, start) | (PG_RELAXATION_SLACK ? DAQP_SOFT : 0);
+    solver->dupper[side] = qp->ubA[i] * solver->scaling[side] + solver->shift[side];
+  }
+}
+
+/* Takes the multipliers of the rows from DAQP's working set. */
+static void read_multipliers(const pg_solver_t *solver, double y[ROWS]) {
+  const DAQPWorkspace *work = &solver->work;
+  memset(y, 0, ROWS * sizeof(double));
+  for (int i = 0; i < work->n_active; i++)
+    if (work->WS[i] >= N && work->lam_star[i] > 0.0) y[work->WS[i] - N] = work->lam_star[i];
+}
+
+static void remember_working_set(pg_solver_t *solver) {
+  const DAQPWorkspace *work = &solver->work;
+  memset(solver->last, 0, sizeof solver->last);
+  for (int i = 0; i < work->n_active; i++)
+    solver->last[work->WS[i]] = DAQP_ACTIVE | (solver->sense[work->WS[i]] & DAQP_LOWER);
+}
+
+/* Points DAQP's workspace at our memory. */
+static void connect(pg_solver_t *solver) {
+  solver->work = (DAQPWorkspace){.n = N,
+                                 .m = SIDES,
+                                 .ms = N,
+                                 .M = solver->M,
+                                 .dupper = solver->dupper,
+                                 .dlower = solver->dlower,
+                                 .Rinv = solver->Rinv,
+                                 .v = solver->v,
+                                 .sense = solver->sense,
+                                 .scaling = solver->scaling,
+                                 .x = solver->u,
+                                 .xold = solver->xold,
+                                 .lam = solver->lam,
+                                 .lam_star = solver->lam_star,
+                                 .u = solver->u,
+                                 .L = solver->L,
+                                 .D = solver->D,
+                                 .xldl = solver->xldl,
+                                 .zldl = solver->zldl,
+                                 .WS = solver->working_set,
+                                 .sing_ind = DAQP_EMPTY_IND,
+                                 .settings = &solver->settings,
+                                 .Mu = solver->products,
+                                 .rho_ls = PG_RELAXATION_SLACK ? solver->softness : NULL,
+                                 .rho_us = PG_RELAXATION_SLACK ? solver->softness : NULL,
+                                 .state = DAQP_STATE_RINV_NORMALIZED};
+}
+
+pg_status_t pg_solver_create(void *memory, pg_solver_t **solver) {
+  _Static_assert(sizeof(pg_solver_t) <= PG_SOLVER_MEMORY, "the size in controller.h is too small");
+  pg_solver_t *made = memory;
+  memset(made, 0, sizeof *made);
+  made->settings = (DAQPSettings){.primal_tol = PRIMAL_TOLERANCE,
+                                  .dual_tol = DAQP_DEFAULT_DUAL_TOL,
+                                  .zero_tol = DAQP_DEFAULT_ZERO_TOL,
+                                  .pivot_tol = DAQP_DEFAULT_PIVOT_TOL,
+                                  .progress_tol = DAQP_DEFAULT_PROG_TOL,
+                                  .cycle_tol = DAQP_DEFAULT_CYCLE_TOL,
+                                  .iter_limit = PG_MAX_ITERATIONS,
+                                  .fval_bound = DAQP_INF,
+                                  .rho_soft = DAQP_DEFAULT_RHO_SOFT,
+                                  .sing_tol = DAQP_DEFAULT_SING_TOL,
+                                  .refactor_tol = DAQP_DEFAULT_REFACTOR_TOL};
+  connect(made);
+  *solver = made;
+  return PG_SOLVED;
+}
+
+void pg_solver_destroy(pg_solver_t *solver) {
+  (void)solver; /* nothing was taken */
+}
+
+void pg_solver_reset(pg_solver_t *solver) {
+  memset(solver->last, 0, sizeof solver->last);
+}
+
+void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
+  double Rinv[N][N];
+  solver->usable = factorise(qp->H, Rinv);
+  if (!solver->usable) return;
+  for (int j = 0; j < N; j++) {
+    solver->v[j] = 0.0;
+    for (int k = 0; k <= j; k++)
+      solver->v[j] += Rinv[k][j] * qp->g[k];
+  }
+  place_bounds(solver, qp, Rinv);
+  for (int i = 0; i < ROWS; i++)
+    if (qp->ubA[i] < PG_OFF) place_row(solver, qp->A, i, Rinv);
+#if PG_RELAXATION_SLACK
+  memcpy(&solver->softness[N], qp->softness, ROWS * sizeof(double));
+#endif
+}
+
+pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
+                             pg_solution_t *solution) {
+  DAQPWorkspace *work = &solver->work;
+  memset(solution, 0, sizeof *solution);
+  if (!solver->usable) return PG_UNSOLVED;
+  place_sides(solver, qp, start);
+  reset_daqp_workspace(work);
+  if (daqp_activate_constraints(work) < 0) return PG_UNSOLVED;
+  const int exit = daqp_ldp(work);
+  solution->iterations = work->iterations - 1;
+
+  if (exit == DAQP_EXIT_INFEASIBLE) {
+    for (int i = 0; i < work->n_active; i++)
+      work->lam_star[i] *= solver->scaling[work->WS[i]];
+    read_multipliers(solver, solution->y);
+    return PG_INFEASIBLE;
+  }
+  if (exit != DAQP_EXIT_OPTIMAL && exit != DAQP_EXIT_SOFT_OPTIMAL) return PG_UNSOLVED;
+  ldp2qp_solution(work);
+  memcpy(solution->x, work->x, sizeof solution->x);
+  read_multipliers(solver, solution->y);
+  remember_working_set(solver);
+  return PG_OPTIMAL;
+}

@@ -1,0 +1,70 @@
+/* What a controller holds, and the steps of its cycle in the order of docs/method.md. */
+#ifndef PROXGEN_STATE_H
+#define PROXGEN_STATE_H
+
+#include "solver.h"
+
+/* The obstacle point that is nearest to a capsule. */
+typedef struct {
+  int found;           /* 1 if there is a point within influence */
+  double distance;     /* [m] ||d|| in the capsule's reference */
+  double closest[3];   /* [m] p on the capsule's axis, world */
+  double direction[3]; /* unit vector from p to the obstacle point, world */
+} pg_nearest_t;
+
+struct PG_NAME(controller) {
+  pg_parameters_t parameters;
+  pg_kinematics_t kinematics;
+  pg_nearest_t nearest[PG_CAPSULES];
+  pg_diagnostics_t cycle; /* the QP of this cycle, and how it was decided */
+  pg_counters_t counters;
+
+  /* State between cycles. */
+  double qdot_previous[PG_N];
+  double time_previous;
+  int has_time;
+  double contradiction[PG_ROWS]; /* weights of rows that last proved a QP infeasible */
+
+  double ubA[PG_ROWS];      /* right-hand sides of the stage that is being solved */
+  double softness[PG_ROWS]; /* 1/rho of soft rows, 0 in staged mode */
+  pg_solution_t solution;
+  pg_solver_t *solver;
+  void (*release)(void *block); /* gives the block back when the controller ends; NULL if the caller does */
+  void *block;
+  _Alignas(16) unsigned char solver_memory[PG_SOLVER_MEMORY];
+};
+
+/* Distances at which something changes, by schedule. */
+#if PG_SCHEDULE_DAMPER
+#define PG_D_ON(parameters)       ((parameters)->damper_influence)
+#define PG_D_DISTANT(parameters)  ((parameters)->damper_safety)
+#define PG_D_CRITICAL(parameters) ((parameters)->damper_safety)
+#else
+#define PG_D_ON(parameters)       ((parameters)->d_a)
+#define PG_D_DISTANT(parameters)  ((parameters)->d_0u)
+#define PG_D_CRITICAL(parameters) ((parameters)->d_r)
+#endif
+
+/* Step 0: PG_SOLVED if the input can be used, else the fault. Takes note of the time. */
+pg_status_t pg_check_input(pg_controller_t *controller, const double q[PG_N], const double xdot[PG_M],
+                           const pg_measurement_t *seen);
+
+/* Steps 2 and 3: PG_SOLVED, or PG_FAULT_OBSTACLE_INSIDE. Needs the kinematics of step 1. */
+pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t *seen);
+
+/* Step 4. */
+void pg_write_rows(pg_controller_t *controller);
+
+/* Steps 6 and 7: leaves a certified solution and returns its stage, or the reason why there is none. */
+pg_status_t pg_solve_by_stages(pg_controller_t *controller);
+
+/* Greatest violation of the optimality conditions (KKT) by a solution; infinity if it is not finite. */
+double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution);
+
+/* 1 if the rows, weighed with y, contradict each other within the bounds by more than the tolerance. */
+int pg_proves_infeasible(const pg_qp_t *qp, const double y[PG_ROWS]);
+
+/* 1 if every parameter is in its range and in order with the others. */
+int pg_parameters_allowed(const pg_parameters_t *parameters);
+
+#endif
