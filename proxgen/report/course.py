@@ -1,0 +1,116 @@
+"""The course of a run over time: distance to the target, least distance to obstacles, status per cycle."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from proxgen.controllers.protocol import Status
+from proxgen.report import style
+from proxgen.report.derive import least_distance, status_spans
+from proxgen.simulation.log import RolloutLog
+
+_FARTHEST = 0.6
+"""Distances beyond are cut off: nothing happens there [m]."""
+
+TITLE = "Course of the run"
+CAPTION = (
+    "Above: the distance to the present target falls until it is reached and swapped. Middle: true distance "
+    "of the nearest link to any obstacle, over the zones of the approach law (13). Below: how each cycle was "
+    "decided."
+)
+
+
+def course_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
+    """Sawtooth, least distance and status, one above the other on one time axis.
+
+    Args:
+        log: the run.
+        tolerance: below this distance a target is reached [m]; drawn if given.
+    """
+    figure = style.new_figure(5.6)
+    sawtooth, nearest, strip = figure.subplots(3, 1, sharex=True, height_ratios=[1.25, 1.25, 0.22])
+    draw_sawtooth(sawtooth, log, tolerance)
+    draw_least_distance(nearest, log)
+    draw_status(strip, log)
+    strip.set_xlabel("time [s]")
+    strip.set_title("Status of every cycle", pad=5)
+    strip.legend(
+        handles=status_legend(log), loc="upper left", bbox_to_anchor=(0.0, -1.9), ncols=4, borderaxespad=0.0,
+        handlelength=1.2, handleheight=0.9,
+    )  # fmt: skip
+    figure.align_ylabels([sawtooth, nearest])
+    return figure
+
+
+def draw_sawtooth(axes: Axes, log: RolloutLog, tolerance: float | None = None) -> None:
+    """Distance to the present target; every drop to the tolerance is a target reached."""
+    axes.plot(log.time, log.target_distance, color=style.BLUE)
+    reached = np.flatnonzero(np.diff(log.targets_reached))
+    axes.plot(
+        log.time[reached], log.target_distance[reached], linestyle="none", marker="o", markersize=4.5,
+        color=style.BLUE, markerfacecolor=style.PAPER, label=f"reached: {int(log.targets_reached[-1])}",
+    )  # fmt: skip
+    if tolerance is not None:
+        axes.axhline(tolerance, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
+    axes.set_ylim(bottom=0.0)
+    axes.set_xlim(log.time[0], log.time[-1])
+    axes.set_ylabel("distance [m]")
+    axes.set_title("Distance to the target")
+    style.legend_above(axes)
+
+
+def draw_zones(axes: Axes, log: RolloutLog, farthest: float, labels: bool = True) -> None:
+    """The four thresholds as lines, and what the controller does between them as shades."""
+    thresholds = log.meta["thresholds"]
+    top = farthest
+    for name, _, shade in style.ZONES:
+        bottom = thresholds[name] if name else min(0.0, axes.get_ylim()[0])
+        axes.axhspan(bottom, top, color=shade, linewidth=0.0, zorder=0)
+        if name:
+            axes.axhline(
+                bottom, color=style.VERMILLION if name == "d_r" else style.MUTED, linewidth=0.8, zorder=1
+            )
+            if labels:
+                symbol = f"${name[0]}_{{{name[2:]}}}$"
+                axes.annotate(
+                    f"{symbol} {bottom:g} m", (1.0, bottom), (4, 0), va="center", fontsize=8,
+                    xycoords=("axes fraction", "data"), textcoords="offset points", color=style.INK,
+                )  # fmt: skip
+        top = bottom
+
+
+def draw_least_distance(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
+    """True distance of whichever link is nearest to any obstacle, over the zones of the law (13)."""
+    least = least_distance(log)
+    axes.set_ylim(min(0.0, float(least.min(initial=0.0)) * 1.1), _FARTHEST)
+    draw_zones(axes, log, _FARTHEST, labels)
+    axes.plot(log.time, np.minimum(least, 2 * _FARTHEST), color=style.INK)
+    axes.grid(visible=False)
+    axes.set_xlim(log.time[0], log.time[-1])
+    axes.set_ylabel("distance [m]")
+    axes.set_title(f"Nearest link to nearest obstacle (true, to the link's {log.meta['distance_reference']})")
+
+
+def draw_status(axes: Axes, log: RolloutLog) -> None:
+    """A strip in the colours of the statuses; what is rare and short stays visible."""
+    shortest = (log.time[-1] - log.time[0]) / 700.0
+    for status, spans in status_spans(log).items():
+        wide = (
+            spans if status is Status.SOLVED else [(begin, max(length, shortest)) for begin, length in spans]
+        )
+        axes.broken_barh(wide, (0.0, 1.0), facecolor=style.STATUS_COLOURS[status], linewidth=0.0)
+    axes.set_ylim(0.0, 1.0)
+    axes.set_yticks([])
+    axes.grid(visible=False)
+    axes.spines["left"].set_visible(False)
+
+
+def status_legend(log: RolloutLog) -> list[Patch]:
+    """One patch per status that occurs, with its share of the cycles."""
+    entries = []
+    for status in status_spans(log):
+        count = int((log.status == status).sum())
+        text = f"{status.name}  {count} ({100.0 * count / log.cycles:.1f} %)"
+        entries.append(Patch(facecolor=style.STATUS_COLOURS[status], label=text))
+    return entries

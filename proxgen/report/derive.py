@@ -1,0 +1,75 @@
+"""What several figures derive from a log: labels, least distances, legs between targets, units."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from proxgen.controllers.protocol import Status
+from proxgen.model.robot_model import RobotModel
+from proxgen.simulation.log import RolloutLog
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Leg:
+    """The way from one target to the next: cycles `first` to `last`, both included."""
+
+    first: int
+    last: int
+
+
+def label(log: RolloutLog) -> str:
+    """Which run it is, in a few words: scene, controller, sensing."""
+    meta = log.meta
+    backend = "" if meta["backend"] == "none" else f" ({meta['backend']})"
+    return f"{meta['scene']}, {meta['controller']}{backend}, {meta['sensing']} sensing"
+
+
+def least_distance(log: RolloutLog) -> Array:
+    """(T,) true distance of the nearest link, in the configured reference [m]; inf without an obstacle."""
+    least: Array = log.reference_distance().min(axis=1, initial=np.inf)
+    return least
+
+
+def legs(log: RolloutLog) -> list[Leg]:
+    """Stretches of cycles in which one target is pursued; the last one may end short of its target."""
+    swaps = np.flatnonzero(np.diff(log.targets_reached)) + 1
+    starts = [0, *swaps.tolist()]
+    ends = [*(swaps - 1).tolist(), log.cycles - 1]
+    return [Leg(first, last) for first, last in zip(starts, ends, strict=True)]
+
+
+def typical_leg(log: RolloutLog) -> Leg:
+    """The last leg that led from one target to another one; the whole run if there is none."""
+    complete = legs(log)[1:-1]
+    return complete[-1] if complete else Leg(0, log.cycles - 1)
+
+
+def spread(leg: Leg, log: RolloutLog, count: int) -> list[int]:
+    """Cycles of a leg that divide the tool's path into equal lengths, both ends included."""
+    path = log.tool_position[leg.first : leg.last + 1]
+    travelled = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    wanted = np.linspace(0.0, travelled[-1], count)
+    return sorted({leg.first + int(np.searchsorted(travelled, way)) for way in wanted})
+
+
+def joint_units(log: RolloutLog, model: RobotModel | None) -> list[str]:
+    """`rad` or `m` per joint; without a model all joints count as revolute."""
+    units = ["rad"] * len(log.meta["joint_names"])
+    if model is not None:
+        for drive in model.drives:
+            units[drive.index] = "m" if drive.prismatic else "rad"
+    return units
+
+
+def status_spans(log: RolloutLog) -> dict[Status, list[tuple[float, float]]]:
+    """Per status that occurs, by severity: stretches of time as (begin, length) [s]."""
+    edges = np.concatenate([[0], np.flatnonzero(np.diff(log.status)) + 1, [log.cycles]])
+    times = np.append(log.time, log.time[-1] + log.meta["period"])
+    spans: dict[Status, list[tuple[float, float]]] = {}
+    for first, after in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
+        begin, end = float(times[first]), float(times[after])
+        spans.setdefault(Status(int(log.status[first])), []).append((begin, end - begin))
+    return dict(sorted(spans.items()))

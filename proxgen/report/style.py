@@ -1,0 +1,134 @@
+"""How figures look: one palette, one set of sizes, one way to write a file. Nothing here knows what is drawn.
+
+Colours follow Okabe and Ito (2008), which people with any colour vision can tell apart; where order matters
+(severity, nearness) they also grow darker, so that a black-and-white print still reads.
+"""
+
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from proxgen.controllers.protocol import Status
+
+INK = "#1f2933"
+MUTED = "#7b8794"
+GRID = "#e4e7eb"
+PAPER = "#ffffff"
+STEEL = "#b8c4d0"
+BLUE = "#0072b2"
+ORANGE = "#e69f00"
+VERMILLION = "#d55e00"
+GREEN = "#009e73"
+SKY = "#56b4e9"
+PURPLE = "#cc79a7"
+
+SERIES = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION, INK, "#8c6d1f")
+"""Colours of things that have no order, such as links or controllers."""
+
+OBSTACLE = "#f2b98a"
+OBSTACLE_EDGE = "#a85a1c"
+
+ZONES = (
+    ("d_a", "free", "#ffffff"),
+    ("d_0u", "approach limited", "#eef5fb"),
+    ("d_0l", "no approach", "#fff7db"),
+    ("d_r", "repulsed", "#ffe3c7"),
+    ("", "full repulsion", "#f9c5b4"),
+)
+"""From far to near: the threshold that ends the zone, what the controller does there, and its shade."""
+
+STATUS_COLOURS: dict[Status, str] = {
+    Status.SOLVED: "#c9ddea",
+    Status.REDUCED_ACTIVE: "#f0e442",
+    Status.REDUCED_DISTANT: "#e69f00",
+    Status.REDUCED_REPULSION: "#d55e00",
+    Status.REDUCED_CRITICAL: "#8f3a00",
+    Status.STOPPED_INFEASIBLE: "#cc79a7",
+    Status.STOPPED_SOLVER: "#7d2b5c",
+    Status.FAULT_NOT_FINITE: "#000000",
+    Status.FAULT_JOINT_LIMIT: "#222222",
+    Status.FAULT_READING: "#333333",
+    Status.FAULT_STALE: "#444444",
+    Status.FAULT_TIME: "#555555",
+    Status.FAULT_DEADLINE: "#666666",
+    Status.FAULT_OBSTACLE_INSIDE: "#111111",
+}
+
+WIDTH = 10.5
+"""Width of a figure [inch]; at `DPI` it fills the page's column on a fine screen."""
+DPI = 150
+
+_RC: dict[Any, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.5,
+    "text.color": INK,
+    "axes.titlesize": 10.5,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.labelsize": 9.5,
+    "axes.labelcolor": INK,
+    "axes.edgecolor": MUTED,
+    "axes.linewidth": 0.8,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.facecolor": PAPER,
+    "grid.color": GRID,
+    "grid.linewidth": 0.7,
+    "xtick.color": MUTED,
+    "ytick.color": MUTED,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.labelsize": 8.5,
+    "ytick.labelsize": 8.5,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "figure.facecolor": PAPER,
+    "savefig.facecolor": PAPER,
+    "path.simplify": True,
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Within it, figures are made in the report's style; the user's own settings are untouched."""
+    with rc_context(_RC):
+        yield
+
+
+def new_figure(height: float, width: float = WIDTH) -> Figure:
+    """An empty figure whose parts are placed without overlaps; sizes in inch."""
+    return Figure(figsize=(width, height), layout="constrained")  # not pyplot: no screen, no global state
+
+
+def save(figure: Figure, path: Path) -> Path:
+    """Write the figure as PNG, whole or not at all."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+    try:
+        with os.fdopen(handle, "wb") as file:
+            # Without the version of matplotlib the same figure gives the same bytes.
+            figure.savefig(file, format="png", dpi=DPI, metadata={"Software": None})
+        Path(name).replace(path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+    return path
+
+
+def legend_above(axes: Axes, handles: Sequence[Any] | None = None, columns: int = 8) -> None:
+    """A one-line legend at the upper right, outside of the data, on the line of the title."""
+    options = {} if handles is None else {"handles": list(handles)}
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.4,
+        columnspacing=1.2, **options,
+    )  # fmt: skip
