@@ -135,7 +135,7 @@ class Scene(Section):
             (n,) [rad or m].
 
         Raises:
-            ConfigError: another number of joints, a joint that the arm does not have, a start outside its limits.
+            ConfigError: another number of joints, a joint that the arm lacks, a start outside its limits.
         """
         if isinstance(self.start, dict):
             places = {name: f"start.{name}" for name in self.start}
@@ -194,7 +194,7 @@ def scene_folders(beside: Path | None = None) -> list[Path]:
 
 
 def scene_names(beside: Path | None = None) -> list[str]:
-    """Names of all scenes that can be found by name; a robot's folder holds other files too and is left out."""
+    """Names of all scenes that can be found by name; the folder of robots, with its other files, left out."""
     folders = scene_folders(beside)[1:] if beside else scene_folders()
     return sorted({path.stem for folder in folders for path in folder.glob("*.yaml")})
 
