@@ -99,7 +99,7 @@ def row_kernel(model: RobotModel, index: int, body: int) -> Kernel:
     row = ca.mtimes(symbols[3].T, point_jacobian(model, axes, origins, body, symbols[2])).T
     return _kernel(
         f"row_{index}",
-        f"Computes the row of a point on body {index}: its speed towards the obstacle is row . qdot.",
+        "Computes the row of a point on a body: its speed towards the obstacle is row . qdot.",
         "A_i = d_hat' J_p (4)(5)",
         inputs,
         [Argument("row", (model.n,), "m/rad", "one row of A")],

@@ -1,0 +1,137 @@
+"""Lays rendered C out as the repository's `.clang-format` wants it, for robots' names of any length.
+
+A template cannot know how long a line becomes once the robot's name is in it. So templates write one
+declaration per line, and `tidy` wraps it, and aligns what clang-format aligns: macros that follow each other,
+and comments behind the code of lines that follow each other. clang-format itself is not needed to generate.
+"""
+
+import re
+import textwrap
+from itertools import groupby
+
+from proxgen.emit.text import WIDTH
+
+_MACRO = re.compile(r"^(#define \w+(?:\([^)]*\))?) +(?!\\$)(\S.*)$")
+_TRAILING = re.compile(r"^(\s*[^\s/#*].*?[;,{]) +(/\* .* \*/)$")
+_COMMENT = re.compile(r"^(\s*)(/\*|\*)(\s+)(.*?)(\s*\*/)?$")
+
+
+def tidy(text: str) -> str:
+    """The whole text of a file: long lines wrapped, macros and trailing comments aligned, one final newline.
+
+    What stands between `/* clang-format off */` and `/* clang-format on */` keeps its line breaks.
+    """
+    lines: list[str] = []
+    in_comment = verbatim = False
+    for line in _join_declarations(_protect_macros([raw.rstrip() for raw in text.splitlines()])):
+        verbatim = verbatim or line.strip() == "/* clang-format off */"
+        if verbatim or len(line) <= WIDTH or _TRAILING.match(line):
+            lines.append(line)
+        elif in_comment or line.lstrip().startswith("/*"):
+            lines += _wrap_comment(line)
+        else:
+            lines += _wrap_declaration(line)
+        verbatim = verbatim and line.strip() != "/* clang-format on */"
+        in_comment = _ends_in_comment(line, in_comment)
+    lines = _align(_align(lines, _MACRO), _TRAILING)
+    return "\n".join(lines).strip("\n") + "\n"
+
+
+def _ends_in_comment(line: str, in_comment: bool) -> bool:
+    """Whether a block comment is open at the end of a line."""
+    opened, closed = line.rfind("/*"), line.rfind("*/")
+    return opened > closed or (in_comment and closed < 0)
+
+
+def _protect_macros(lines: list[str]) -> list[str]:
+    """Macros of several lines keep their breaks, and their backslashes stand in the last column."""
+    result: list[str] = []
+    for continued, run in groupby(_with_previous(lines), key=lambda pair: _is_continued(*pair)):
+        group = [line for _, line in run]
+        if continued:
+            padded = [line.removesuffix("\\").rstrip() for line in group]
+            padded = [line.ljust(WIDTH - 1) + "\\" for line in padded[:-1]] + padded[-1:]
+            group = ["/* clang-format off */", *padded, "/* clang-format on */"]
+        result += group
+    return result
+
+
+def _with_previous(lines: list[str]) -> list[tuple[str, str]]:
+    """Each line with the one before it."""
+    return list(zip(["", *lines], lines, strict=False))
+
+
+def _is_continued(previous: str, line: str) -> bool:
+    """Whether a line is part of a macro of several lines."""
+    return previous.endswith("\\") or line.endswith("\\")
+
+
+def _join_declarations(lines: list[str]) -> list[str]:
+    """Put declarations that a template broke back on one line: its breaks suit the name of one robot only."""
+    result: list[str] = []
+    in_comment = verbatim = False
+    depth = 0
+    for line in lines:
+        verbatim = (verbatim or line.strip() == "/* clang-format off */") and line != "/* clang-format on */"
+        if depth > 0:
+            result[-1] += ("" if result[-1].endswith("(") else " ") + line.strip()
+        else:
+            result.append(line)
+        code = not (verbatim or in_comment or line.startswith("#") or line.endswith("\\"))
+        if depth > 0 or (code and line.rstrip().endswith((",", "("))):
+            depth += line.count("(") - line.count(")")
+        in_comment = _ends_in_comment(line, in_comment)
+    return result
+
+
+def _wrap_comment(line: str) -> list[str]:
+    """Wrap one line of a block comment; the lines that it becomes keep its indentation behind the star."""
+    match = _COMMENT.match(line)
+    if not match:
+        return [line]
+    indent, marker, space, words, closing = match.groups()
+    star = indent + (" *" if marker == "/*" else "*")
+    wrapped = textwrap.wrap(
+        words,
+        WIDTH,
+        initial_indent=indent + marker + space,
+        subsequent_indent=star + space,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return [*wrapped, star + "/"] if closing else wrapped
+
+
+def _wrap_declaration(line: str) -> list[str]:
+    """Break a declaration or call behind commas; it continues under its first argument."""
+    column = line.find("(") + 1
+    if column == 0 or line.startswith("#"):
+        return [line]
+    first, *pieces = re.split(r"(?<=,) ", line[column:])
+    lines = [line[:column] + first]
+    for piece in pieces:
+        if len(lines[-1]) + 1 + len(piece) <= WIDTH:
+            lines[-1] += " " + piece
+        else:
+            lines.append(" " * column + piece)
+    return lines
+
+
+def _align(lines: list[str], pattern: re.Pattern[str]) -> list[str]:
+    """Put the second group of each run of matching lines into one column."""
+    result: list[str] = []
+    for _, run in groupby(lines, key=lambda line: pattern.match(line) is not None):
+        group = list(run)
+        parts = [match.groups() for line in group if (match := pattern.match(line))]
+        column = max((len(code) for code, _ in parts), default=0)
+        aligned = [f"{code.ljust(column)} {tail}" for code, tail in parts] or group
+        if pattern is _TRAILING and max(map(len, aligned)) > WIDTH:
+            aligned = [line for code, tail in parts for line in _comment_above(code, tail)] or group
+        result += aligned
+    return result
+
+
+def _comment_above(code: str, comment: str) -> list[str]:
+    """A trailing comment moved above its code, wrapped if need be."""
+    line = code[: len(code) - len(code.lstrip())] + comment
+    return [*(_wrap_comment(line) if len(line) > WIDTH else [line]), code]

@@ -1,0 +1,70 @@
+"""manifest.json: what was generated, for programs: dimensions, names, parameters, tables, versions."""
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from proxgen.emit.signatures import Function
+from proxgen.program import Argument, Program
+
+MANIFEST = "manifest.json"
+
+
+def render_manifest(program: Program, functions: tuple[Function, ...], mark: str, abi: int) -> str:
+    """The manifest's text; keys in a fixed order, numbers in full precision."""
+    content = {
+        "generated_by": mark,
+        "robot": program.robot,
+        "abi": abi,
+        "config_hash": program.config_hash,
+        "sources": dict(program.sources),
+        "dimensions": dimensions(program),
+        "joint_names": program.joint_names,
+        "task_row_names": program.task_row_names,
+        "body_names": program.body_names,
+        "relaxation": program.relaxation,
+        "schedule": program.schedule,
+        "active_row": program.active_row,
+        "max_iterations": program.max_iterations,
+        "tolerance": program.tolerance,
+        "parameters": [asdict(parameter) for parameter in program.parameters],
+        "capsules": [asdict(entry) for entry in program.capsules],
+        "tof": [asdict(entry) for entry in program.tof],
+        "capacitive": [asdict(entry) for entry in program.capacitive],
+        "functions": [_function(program, function) for function in functions],
+    }
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def dimensions(program: Program) -> dict[str, int]:
+    """All sizes by name; in upper case they are the macros of `model.h`."""
+    return {
+        "joints": program.joints,
+        "task_rows": program.task_rows,
+        "bodies": program.bodies,
+        "capsules": len(program.capsules),
+        "tof": len(program.tof),
+        "capacitive": len(program.capacitive),
+        "max_points": program.max_points,
+        "rows": len(program.capsules) + int(program.active_row),
+    }
+
+
+def _function(program: Program, function: Function) -> dict[str, Any]:
+    """A function for the manifest."""
+    return {
+        "name": f"{program.robot}_{function.name}",
+        "summary": function.summary,
+        "equation": function.equation,
+        "inputs": [_argument(argument) for argument in function.inputs],
+        "outputs": [_argument(argument) for argument in function.outputs],
+        "parameters": function.parameters,
+        "operations": function.operations,
+    }
+
+
+def _argument(argument: Argument) -> dict[str, Any]:
+    """An argument for the manifest."""
+    entry = asdict(argument)
+    del entry["parameter"]
+    return entry

@@ -1,0 +1,186 @@
+"""Program to the texts of all generated files. Templates hold structure; what they print is made here."""
+
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from proxgen import __version__
+from proxgen.emit import tables
+from proxgen.emit.folder import MARK
+from proxgen.emit.kernels import render_kernels
+from proxgen.emit.layout import tidy
+from proxgen.emit.manifest import MANIFEST, dimensions, render_manifest
+from proxgen.emit.signatures import Function, functions, shape_text
+from proxgen.emit.text import block_comment, identifier, number, plain, string
+from proxgen.program import Argument, Program
+
+ABI_VERSION = 1
+"""What the runtime must be for code generated here: `PG_ABI_VERSION` of `proxgen/types.h`."""
+
+PUBLIC_FUNCTIONS = (
+    "create_checked",
+    "create_in_checked",
+    "destroy",
+    "reset",
+    "step",
+    "get_parameters",
+    "set_parameters",
+    "diagnostics",
+    "counters",
+    "version",
+    "status_name",
+)
+"""Functions of `controller.h` without the robot's prefix: all that a library exports."""
+
+_C_TEMPLATES = ("model.h", "model.c", "binding.h", "controller.h", "controller.hpp")
+_OTHER_TEMPLATES = ("README.md",)
+
+
+def render(program: Program) -> dict[str, str]:
+    """All generated files of a robot, text by file name; the same for the same program, always.
+
+    Raises:
+        GenerateError: if the program is not consistent, or lacks a function that the runtime calls.
+    """
+    identifier(program.robot)
+    all_functions = functions(program)
+    environment = Environment(
+        loader=PackageLoader("proxgen.emit"),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+    context = template_context(program, all_functions)
+    files = {name: tidy(environment.get_template(f"{name}.j2").render(context)) for name in _C_TEMPLATES}
+    files |= {name: environment.get_template(f"{name}.j2").render(context) for name in _OTHER_TEMPLATES}
+    files |= render_kernels(program, context["banner"])
+    files[MANIFEST] = render_manifest(program, all_functions, mark(program), ABI_VERSION)
+    return files
+
+
+def template_context(program: Program, all_functions: tuple[Function, ...]) -> dict[str, Any]:
+    """What templates may use; a name that is not here is an error.
+
+    `robot` is the prefix of all symbols, `X` the same in upper case; `banner` the comment at the head of
+    every file.
+    """
+    return {
+        "program": program,
+        "robot": program.robot,
+        "X": program.robot.upper(),
+        "config_hash": program.config_hash,
+        "banner": banner(program),
+        "mark": mark(program),
+        "regenerate": regenerate(program),
+        "abi": ABI_VERSION,
+        "version": __version__,
+        "dimensions": dimensions(program),
+        "functions": [_function_context(function) for function in all_functions],
+        "parameter_fields": tables.parameter_fields(program),
+        "kinematics_fields": tables.kinematics_struct(program),
+        "parameter_values": {
+            which: tables.parameter_values(program, which) for which in ("default", "lower", "upper")
+        },
+        "capsule_rows": tables.capsule_rows(program),
+        "tof_rows": tables.sensor_rows(program, program.tof),
+        "capacitive_rows": tables.sensor_rows(program, program.capacitive),
+        "names_comment": block_comment(_names(program)),
+        "public_functions": PUBLIC_FUNCTIONS,
+        "string": string,
+        "number": number,
+        "plain": plain,
+    }
+
+
+def mark(program: Program) -> str:
+    """The sentence by which a generated file is known."""
+    made_with = ", ".join(
+        f"{name} {version}" for name, version in sorted(program.sources.items()) if name != "proxgen"
+    )
+    return f"{MARK} {__version__} ({made_with}). Do not edit."
+
+
+def regenerate(program: Program) -> str:
+    """The command that makes the folder again."""
+    return f"proxgen generate {program.robot}.yaml -o generated/{program.robot}"
+
+
+def banner(program: Program) -> str:
+    """The comment at the head of every generated C file: no date, no path, so that it is always the same."""
+    return block_comment(
+        [
+            mark(program),
+            f"Configuration: sha256 {program.config_hash}",
+            f"Regenerate:    {regenerate(program)}",
+        ]
+    )
+
+
+def _names(program: Program) -> list[str]:
+    """What the indices stand for."""
+    lists = {
+        "joints": program.joint_names,
+        "task rows": program.task_row_names,
+        "bodies": program.body_names,
+        "capsules": [capsule.name for capsule in program.capsules],
+    }
+    listed = [
+        f"  {kind}: {', '.join(f'{index} {name}' for index, name in enumerate(names))}"
+        for kind, names in lists.items()
+    ]
+    return ["Sizes. What the indices stand for:", *listed]
+
+
+def _function_context(function: Function) -> dict[str, Any]:
+    """A function with its comment and its argument lists as lines of C."""
+    return {
+        "name": function.name,
+        "declaration": function.declaration,
+        "comment": block_comment(_description(function)),
+        "by_body": function.cases[0].body is not None,
+        "cases": function.cases,
+        "arguments": _pointer_array("const double *arguments[]", function.arguments),
+        "results": _pointer_array("double *results[]", function.results),
+        "parameters": function.parameters,
+        "operations": function.operations,
+        "summary": function.summary,
+        "equation": function.equation,
+    }
+
+
+def _description(function: Function) -> list[str]:
+    """The comment above a function's declaration, by paragraphs."""
+    lines = [function.summary, "", "  " + function.equation, ""]
+    passed = [(argument, "in ") for argument in function.inputs]
+    passed += [(argument, "out") for argument in function.outputs]
+    width = max((len(argument.name) for argument, _ in passed), default=0)
+    lines += [_argument_line(argument, side, width) for argument, side in passed]
+    if function.parameters:
+        lines.append("Reads the parameters " + ", ".join(function.parameters) + ".")
+    if function.fields_read:
+        lines.append("Reads from the kinematics " + ", ".join(function.fields_read) + ".")
+    if function.fields_written:
+        lines.append("Writes all of the kinematics.")
+    if function.cases[0].body is not None:
+        lines.append(
+            f"Returns 0, or 1 for a body that carries no capsule. Operations: {function.operations} at most."
+        )
+    else:
+        lines.append(f"Returns 0. Operations: {function.operations}.")
+    return lines
+
+
+def _argument_line(argument: Argument, side: str, width: int) -> str:
+    """`in  q  7 [rad]: joint positions`."""
+    unit = f" [{argument.unit}]" if argument.unit else ""
+    return f"  {side} {argument.name.ljust(width)}  {shape_text(argument)}{unit}: {argument.meaning}"
+
+
+def _pointer_array(declaration: str, expressions: tuple[str, ...]) -> list[str]:
+    """An array of pointers, on one line if it fits, else one per line."""
+    one_line = f"  {declaration} = {{{', '.join(expressions)}}};"
+    if len(one_line) <= 100:
+        return [one_line]
+    return [f"  {declaration} = {{", *(f"      {expression}," for expression in expressions), "  };"]

@@ -1,0 +1,84 @@
+"""Constant tables and structs as lines of C: parameters, capsules, sensors, kinematics."""
+
+from collections.abc import Iterable, Sequence
+
+from proxgen.emit.signatures import field_dimensions, kinematics_fields
+from proxgen.emit.text import braces, comment_text, identifier, number
+from proxgen.errors import GenerateError
+from proxgen.program import CapsuleEntry, Parameter, Program, SensorEntry
+
+
+def parameter_fields(program: Program) -> list[str]:
+    """Fields of the parameter struct, in order, with unit and meaning."""
+    return [
+        f"  double {identifier(p.name)}{_dimension(p)}; {_remark(p.unit, p.meaning)}"
+        for p in program.parameters
+    ]
+
+
+def kinematics_struct(program: Program) -> list[str]:
+    """Fields of the kinematics struct, in order, with unit and meaning."""
+    return [
+        f"  double {identifier(name)}{field_dimensions(field)}; {_remark(field.unit, field.meaning)}"
+        for name, field in kinematics_fields(program).items()
+    ]
+
+
+def parameter_values(program: Program, which: str) -> list[str]:
+    """Designated initialisers of a parameter block: `default`, `lower` or `upper`."""
+    return [f"  .{p.name} = {_value(p, getattr(p, which))}," for p in program.parameters]
+
+
+def capsule_rows(program: Program) -> list[str]:
+    """Rows of the capsule table."""
+    _check_bodies(program, program.capsules)
+    rows = [
+        f"  {{{c.body}, {braces(c.start)}, {braces(c.end)}, "
+        f"{number(c.radius)}, {number(c.reference_radius)}}}, /* {comment_text(c.name)} */"
+        for c in program.capsules
+    ]
+    return rows or ["  {0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0}, /* none: C has no empty tables */"]
+
+
+def sensor_rows(program: Program, sensors: Sequence[SensorEntry]) -> list[str]:
+    """Rows of a sensor table."""
+    _check_bodies(program, sensors)
+    rows = [
+        f"  {{{s.body}, {braces(s.position)}, {braces(s.normal)}, {number(s.range)}}},"
+        f" /* {comment_text(s.name)} */"
+        for s in sensors
+    ]
+    return rows or ["  {0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0}, /* none: C has no empty tables */"]
+
+
+def _dimension(parameter: Parameter) -> str:
+    """C dimension of a parameter: nothing or `[7]`."""
+    return f"[{parameter.shape[0]}]" if parameter.shape else ""
+
+
+def _remark(unit: str, meaning: str) -> str:
+    """A comment: the unit in brackets, then the meaning."""
+    return f"/* {comment_text(f'[{unit}] {meaning}' if unit else meaning)} */"
+
+
+def _value(parameter: Parameter, value: float | tuple[float, ...]) -> str:
+    """An initialiser of the parameter's shape; a bound is one number for all entries."""
+    if not parameter.shape:
+        if isinstance(value, tuple):
+            raise GenerateError(f"parameter {parameter.name} is one number, and has several values")
+        return number(value)
+    values = value if isinstance(value, tuple) else (value,) * parameter.shape[0]
+    if len(values) != parameter.shape[0]:
+        raise GenerateError(
+            f"parameter {parameter.name} has {len(values)} values for {parameter.shape[0]} entries"
+        )
+    return braces(values)
+
+
+def _check_bodies(program: Program, entries: Iterable[CapsuleEntry | SensorEntry]) -> None:
+    """Refuse an entry on a body that does not exist."""
+    for entry in entries:
+        if not 0 <= entry.body < program.bodies:
+            raise GenerateError(
+                f"{entry.name} is on body {entry.body}; there are only {program.bodies}, counted from 0"
+            )

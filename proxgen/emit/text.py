@@ -1,0 +1,98 @@
+"""Small pieces of C text: numbers, initialisers, comments. Templates hold structure; formatting is here."""
+
+import math
+import re
+import textwrap
+from collections.abc import Iterable, Sequence
+
+from proxgen.errors import GenerateError
+
+WIDTH = 110
+"""Greatest number of columns of a line, as in `.clang-format`."""
+
+_KEYWORDS = frozenset(
+    """auto break case char const continue default do double else enum extern float for goto if inline int
+    long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile
+    while class delete explicit export friend mutable namespace new operator private protected public template
+    this throw try typename using virtual bool true false nullptr""".split()  # noqa: SIM905
+)
+
+
+def identifier(name: str) -> str:
+    """`name`, if it is an identifier in C and in C++, where double underscores are reserved.
+
+    Raises:
+        GenerateError: if it is not.
+    """
+    if not re.fullmatch(r"[A-Za-z](_?[A-Za-z0-9])*", name) or name in _KEYWORDS:
+        raise GenerateError(
+            f"'{name}' cannot be a name in C: letters, digits and single underscores between them, no keyword"
+        )
+    return name
+
+
+def number(value: float) -> str:
+    """A double literal: the shortest that is read back to exactly the same bits; negative zero becomes zero.
+
+    Raises:
+        GenerateError: for NaN and infinity, which have no literal.
+    """
+    if not math.isfinite(value):
+        raise GenerateError(f"{value} cannot be written as a C number; unlimited values are +-1e20")
+    return repr(float(value) + 0.0)
+
+
+def braces(values: Iterable[float]) -> str:
+    """An initialiser such as `{1.0, 2.5}`."""
+    return "{" + ", ".join(number(value) for value in values) + "}"
+
+
+def plain(value: float | Iterable[float]) -> str:
+    """A number, or several, for a human reader: six significant digits."""
+    if isinstance(value, float | int):
+        return f"{value + 0.0:.6g}"
+    return ", ".join(plain(entry) for entry in value)
+
+
+def string(text: str) -> str:
+    """A C string literal of printable ASCII.
+
+    Raises:
+        GenerateError: if `text` holds anything else.
+    """
+    if not all(" " <= character <= "~" for character in text):
+        raise GenerateError(f"{text!r} cannot be written as a C string")
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def comment_text(text: str) -> str:
+    """`text` on one line, with nothing in it that would end or nest a C comment."""
+    return " ".join(text.split()).replace("*/", "* /").replace("/*", "/ *")
+
+
+def block_comment(paragraphs: Sequence[str]) -> str:
+    """A block comment, wrapped at the greatest width; an empty paragraph is an empty line.
+
+    A paragraph that begins with two spaces is an item: its continuation lines are indented by four more.
+    """
+    lines: list[str] = []
+    for paragraph in paragraphs:
+        indent = paragraph[: len(paragraph) - len(paragraph.lstrip(" "))]
+        words = comment_text(paragraph) if not indent else _keep_columns(paragraph.strip())
+        later = indent + "    " if indent else ""
+        lines += textwrap.wrap(
+            words,
+            WIDTH - 3,
+            initial_indent=indent,
+            subsequent_indent=later,
+            break_long_words=False,
+            break_on_hyphens=False,
+        ) or [""]
+    if len(lines) == 1:
+        return f"/* {lines[0]} */"
+    return "/* " + "\n".join([lines[0], *(f" * {line}".rstrip() for line in lines[1:])]) + "\n */"
+
+
+def _keep_columns(text: str) -> str:
+    """An item's text, harmless in a comment, with the runs of spaces that align its columns."""
+    return text.replace("*/", "* /").replace("/*", "/ *").replace("\n", " ")
