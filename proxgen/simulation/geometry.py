@@ -197,14 +197,16 @@ def segment_to_box(starts: Array, ends: Array, half_sizes: Array) -> Nearest:
     planes of the six faces. Its root between two neighbouring kinks is exact.
 
     Args:
-        starts: (K, 3) [m].
-        ends: (K, 3) [m].
-        half_sizes: (K, 3) [m].
+        starts: (..., 3) [m].
+        ends: (..., 3) [m].
+        half_sizes: (..., 3) [m].
 
     Returns:
         Nearest points in the box's frame, and signed distances of the segments. If the minimum is attained on
         a whole stretch of the segment (parallel to a face), its middle is taken.
     """
+    shape = starts.shape
+    starts, ends, half_sizes = starts.reshape(-1, 3), ends.reshape(-1, 3), half_sizes.reshape(-1, 3)
     direction = ends - starts
     faces = np.stack([half_sizes, -half_sizes], axis=1)  # (K, 2, 3)
     steep = np.abs(direction) > 1e-15
@@ -222,7 +224,7 @@ def segment_to_box(starts: Array, ends: Array, half_sizes: Array) -> Nearest:
     inside = distance < 1e-12
     if inside.any():
         distance[inside] = -_depth(starts[inside], direction[inside], half_sizes[inside])
-    return Nearest(nearest, distance)
+    return Nearest(nearest.reshape(shape), distance.reshape(shape[:-1]))
 
 
 def _half_slope(starts: Array, direction: Array, half_sizes: Array, t: Array) -> Array:

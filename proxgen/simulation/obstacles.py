@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,7 +41,7 @@ class Motion:
     period: float
     phase: float
 
-    def offset(self, time: float) -> Array:
+    def displacement(self, time: float) -> Array:
         """Displacement from the resting place at `time` [s], (3,) [m]."""
         clock = (time + self.phase) % self.period
         way = self.distance / self.speed
@@ -81,7 +81,7 @@ class Obstacle:
 
     def position_at(self, time: float) -> Array:
         """Centre at `time` [s], (3,) [m]."""
-        return self.position if self.motion is None else self.position + self.motion.offset(time)
+        return self.position if self.motion is None else self.position + self.motion.displacement(time)
 
     def to_plain(self) -> dict[str, Any]:
         """As texts, numbers and lists, for a log."""
@@ -130,7 +130,7 @@ class ObstacleField:
         )
         self._of_shape = {
             shape: np.array([i for i, o in enumerate(self.obstacles) if o.shape == shape], dtype=np.intp)
-            for shape in ("box", "sphere", "capsule")
+            for shape in get_args(Shape)
         }
 
     def __len__(self) -> int:
@@ -197,18 +197,12 @@ class ObstacleField:
             if pointwise:
                 return point_to_capsule(starts, *axis, radii)
             return segment_to_capsule(starts, ends, *axis, radii)
-        rotation, half_size = self._rotation[indices], self._half_size[indices]
-        local_starts = _into_frames(starts - centres, rotation)
+        rotation = self._rotation[indices]
+        local = (_into_frames(starts - centres, rotation), _into_frames(ends - centres, rotation))
         if pointwise:
-            near = point_to_box(local_starts, half_size)
+            near = point_to_box(local[0], self._half_size[indices])
         else:
-            pairs = local_starts.shape[:2]
-            near = segment_to_box(
-                local_starts.reshape(-1, 3),
-                _into_frames(ends - centres, rotation).reshape(-1, 3),
-                np.broadcast_to(half_size, (*pairs, 3)).reshape(-1, 3),
-            )
-            near = Nearest(near.point.reshape(*pairs, 3), near.distance.reshape(pairs))
+            near = segment_to_box(*local, np.broadcast_to(self._half_size[indices], local[0].shape))
         world = np.einsum("oij,poj->poi", rotation, near.point) + centres
         return Nearest(world, near.distance)
 

@@ -46,7 +46,13 @@ class JointHistory:
 
 
 class Plant(Protocol):
-    """An arm that takes joint velocities."""
+    """An arm that takes joint velocities.
+
+    Attributes:
+        name: as a log calls it.
+    """
+
+    name: str
 
     @property
     def q(self) -> Array:
@@ -69,6 +75,8 @@ class Plant(Protocol):
 
 class KinematicPlant:
     """Follows every command at once and exactly: q <- q + q̇ dt."""
+
+    name = "kinematic"
 
     def __init__(self, q: Array) -> None:
         """Stand still at q (n,)."""
