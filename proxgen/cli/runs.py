@@ -1,0 +1,155 @@
+"""Verbs that simulate: run and compare."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from proxgen.cli.arguments import add_config, add_sensing_and_duration, one_of, whole_number
+from proxgen.cli.output import columns, progress_bar, write_json
+from proxgen.errors import ConfigError, Problem
+
+if TYPE_CHECKING:
+    from proxgen.config import Config
+    from proxgen.config.scene import Scene
+    from proxgen.controllers.protocol import Controller
+    from proxgen.model import RobotModel
+
+CONTROLLERS = ("compiled", "reference")
+
+
+def add_verbs(verbs: Any) -> None:
+    """Add the verbs of this module to the parser."""
+    run = verbs.add_parser("run", help="let a controller move the arm through a scene, in simulation")
+    add_config(run)
+    run.add_argument("--scene", required=True, metavar="NAME|FILE", help="such as gap, or my_scene.yaml")
+    run.add_argument(
+        "--controller",
+        type=one_of("controller", CONTROLLERS),
+        default="compiled",
+        metavar="|".join(CONTROLLERS),
+        help="which one moves the arm (default: compiled)",
+    )
+    add_sensing_and_duration(run)
+    run.add_argument(
+        "--seed", type=whole_number, default=0, metavar="N", help="of noise and dropouts (default: 0)"
+    )
+    run.add_argument("--out", type=Path, metavar="DIR", help="write the log, the numbers and a report there")
+    run.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
+    run.add_argument("--gui", action="store_true", help="show the simulation in a window")
+    run.set_defaults(carry_out=carry_out_run)
+
+    compare = verbs.add_parser(
+        "compare", help="feed the same states to the compiled controller and to the reference"
+    )
+    add_config(compare)
+    compare.add_argument(
+        "--scene",
+        action="append",
+        metavar="NAME|FILE",
+        help="may be given several times; default: every scene whose start fits the robot",
+    )
+    add_sensing_and_duration(compare)
+    compare.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
+    compare.set_defaults(carry_out=carry_out_compare)
+
+
+def carry_out_run(arguments: argparse.Namespace) -> int:
+    """Simulate, say what came out, write what was asked for."""
+    from proxgen.config import load
+    from proxgen.config.scene import load_scene
+    from proxgen.model import build_model
+
+    config = load(arguments.config)
+    scene = load_scene(arguments.scene, beside=arguments.config)
+    model = build_model(config)
+    from proxgen.simulation.rollout import run
+
+    controller = _controller(arguments.controller, config, model)
+    with progress_bar(f"{config.robot.name} in {scene.name}") as progress:
+        log = run(
+            config,
+            model,
+            controller,
+            scene,
+            sensing=arguments.sensing,
+            duration=arguments.duration,
+            seed=arguments.seed,
+            progress=progress,
+            gui=arguments.gui,
+        )
+    summary = log.summary()
+    print(columns([(key, _shown(value)) for key, value in summary.items()]))
+    if arguments.json:
+        write_json(arguments.json, summary)
+    if arguments.out:
+        from proxgen.report import write_report
+
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        log.save(arguments.out / "log.npz")
+        write_json(arguments.out / "summary.json", summary)
+        print(f"report: {write_report(arguments.out, [log], config=config)}")
+    return 0
+
+
+def carry_out_compare(arguments: argparse.Namespace) -> int:
+    """Compare the two controllers; status 1 if they differ by more than the tolerance."""
+    from proxgen.compare import compare
+    from proxgen.config import load
+    from proxgen.config.scene import load_scene
+    from proxgen.model import build_model
+
+    config = load(arguments.config)
+    if arguments.scene:
+        scenes = [load_scene(name, beside=arguments.config) for name in arguments.scene]
+    else:
+        scenes = _fitting_scenes(arguments.config, build_model(config))
+    with progress_bar(f"{config.robot.name}: compiled and reference") as progress:
+        comparison = compare(
+            config, scenes, sensing=arguments.sensing, duration=arguments.duration, progress=progress
+        )
+    numbers = comparison.to_json()
+    if arguments.json:
+        write_json(arguments.json, numbers)
+    rows = numbers["scenes"]
+    print(columns([tuple(rows[0])] + [tuple(_shown(value) for value in row.values()) for row in rows]))
+    for failure in comparison.failures:
+        print(failure)
+    print(f"verdict: {comparison.verdict}")
+    return 0 if comparison.verdict == "pass" else 1
+
+
+def _controller(name: str, config: "Config", model: "RobotModel") -> "Controller":
+    """The controller that moves the arm."""
+    if name == "reference":
+        from proxgen.controllers.reference import ReferenceController
+
+        return ReferenceController(config, model)
+    import proxgen
+
+    controller: Controller = proxgen.build(config)
+    return controller
+
+
+def _fitting_scenes(beside: Path, model: "RobotModel") -> "list[Scene]":
+    """All scenes that can be found and whose start the arm can take."""
+    from proxgen.config.scene import load_scene, scene_names
+
+    scenes: list[Scene] = []
+    refusals: list[Problem] = []
+    for name in scene_names(beside):
+        scene = load_scene(name, beside=beside)
+        try:
+            scene.start_positions(model.joint_names, model.q_lower.tolist(), model.q_upper.tolist())
+            scenes.append(scene)
+        except ConfigError as error:
+            refusals += error.problems
+    if not scenes:
+        raise ConfigError(refusals)
+    return scenes
+
+
+def _shown(value: Any) -> str:
+    """A number of a result as text."""
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_shown(inner)}" for key, inner in value.items())
+    return f"{value:.4g}" if isinstance(value, float) else f"{value}"
