@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from proxgen.config.schema import Config
+from proxgen.config.schema import ROWS_OF_KIND, Config
 from proxgen.errors import ConfigError, Problem, unknown_name
 from proxgen.model.frames import axis_basis
-from proxgen.model.robot_model import ALL_ROWS, Array, CapsuleModel, RobotModel
+from proxgen.model.robot_model import Array, CapsuleModel, RobotModel
 from proxgen.model.skin import sensor_modules
 from proxgen.model.urdf import Urdf, drives, parse_urdf, reduce_to_chain, unknown_frame
 
@@ -36,12 +36,10 @@ def build_model(config: Config) -> RobotModel:
         raise ConfigError(chain + _frame_problems(config, urdf.full))
     reduced, controlled = chain
     limits, problems = _limits(config, urdf, controlled)
-    problems += (
-        _frame_problems(config, reduced) + _joint_name_problems(config, controlled) + _row_problems(config)
-    )
+    problems += _frame_problems(config, reduced) + _joint_name_problems(config, controlled)
     if problems:
         raise ConfigError(problems)
-    kind_rows = ALL_ROWS[config.task.kind]
+    kind_rows = ROWS_OF_KIND[config.task.kind]
     tool = reduced.frames[reduced.getFrameId(config.robot.tool)]
     tool_in_body = np.array(tool.placement.homogeneous)
     tool_in_body[:3, 3] += tool_in_body[:3, :3] @ np.array(config.robot.tool_offset)
@@ -86,16 +84,6 @@ def _joint_name_problems(config: Config, controlled: list[str]) -> list[Problem]
         config.problem(key, unknown_name("controlled joint", name, controlled))
         for key, name in named
         if name not in controlled
-    ]
-
-
-def _row_problems(config: Config) -> list[Problem]:
-    """Task rows that the kind of task does not have."""
-    allowed = ALL_ROWS[config.task.kind]
-    return [
-        config.problem(f"task.rows.{index}", unknown_name(f"row of a {config.task.kind} task", row, allowed))
-        for index, row in enumerate(config.task.rows or ())
-        if row not in allowed
     ]
 
 

@@ -18,14 +18,6 @@ from proxgen.config.schema import Capacitive, TimeOfFlight
 Array = NDArray[np.float64]
 
 
-ALL_ROWS: dict[str, tuple[str, ...]] = {
-    "position": ("x", "y", "z"),
-    "pose": ("x", "y", "z", "rx", "ry", "rz"),
-    "pointing": ("x", "y", "z", "rx", "ry"),
-}
-"""Task rows by `task.kind`, in the order of the rows of J."""
-
-
 @dataclass(frozen=True)
 class CapsuleModel:
     """A link's capsule in its body frame.
@@ -99,7 +91,7 @@ class RobotModel:
         joint_names: (n,), base to tool.
         tool_body: body that carries the tool.
         tool_in_body: 4x4 homogeneous transform of the task point frame in its body.
-        task_rows: (m,) names of the rows of J, a subset of `ALL_ROWS[task.kind]`, in that order.
+        task_rows: (m,) names of the rows of J, a subset of `ROWS_OF_KIND[task.kind]`, in that order.
         task_frame: (3, 3) tool-frame directions (columns) about which rx, ry are counted by a pointing task;
             None if rx, ry, rz are about the world's axes.
         q_lower: (n,) [rad or m]; -1e20 where unlimited.

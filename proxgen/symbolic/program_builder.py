@@ -2,8 +2,6 @@
 
 from importlib.metadata import version
 
-import casadi as ca
-
 from proxgen import __version__
 from proxgen.config.hashing import config_hash
 from proxgen.config.schema import Config
@@ -60,13 +58,14 @@ def build_program(config: Config, model: RobotModel) -> Program:
         schedule=config.avoidance.schedule,
         max_iterations=config.solver.max_iterations,
         tolerance=config.solver.tolerance,
-        sources={"proxgen": __version__, "casadi": ca.__version__, "pin": version("pin")},
+        sources={"proxgen": __version__, "casadi": version("casadi"), "pin": version("pin")},
     )
 
 
 def carrying_bodies(model: RobotModel) -> list[int]:
     """Pinocchio joints that carry a capsule or a sensor, in order: the rows of `body_to_world`."""
-    return sorted({item.body for item in (*model.capsules, *model.modules)})
+    carriers = [capsule.body for capsule in model.capsules] + [module.body for module in model.modules]
+    return sorted(set(carriers))
 
 
 def _triple(vector: Array) -> tuple[float, float, float]:
