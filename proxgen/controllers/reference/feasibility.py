@@ -15,11 +15,9 @@ from proxgen.controllers.protocol import OFF, Array
 SHIFT = 1e-9
 """Rows are moved apart by one to two times this [m/s], so that dependent rows do not meet in one point."""
 
-PROXIMAL_WEIGHT = 0.1
-"""Weight of the proximal term."""
-
-PROXIMAL_STEPS = 30
-"""Steps after which the search gives the bounds that it has; one or two are usual."""
+PROXIMAL_WEIGHTS = (0.1, *np.geomspace(0.1, 1e-6, 16).tolist(), *[1e-6] * 15)
+"""Weight of the proximal term in each step; one or two steps are usual. Small weights take long steps where t
+depends little on x, but lose digits to rounding."""
 
 
 def row_shifts(count: int) -> Array:
@@ -56,13 +54,13 @@ def feasibility_margin(
     C[:k, :n], C[:k, n] = A, -1.0
     C[k : k + n, :n], C[k + n :, :n] = np.eye(n), -np.eye(n)
     d = np.concatenate((b + row_shifts(k), np.minimum(ub, OFF), np.minimum(-lb, OFF)))
-    weight, slope = PROXIMAL_WEIGHT * np.eye(n + 1), np.append(np.zeros(n), 1.0)
+    identity, slope = np.eye(n + 1), np.append(np.zeros(n), 1.0)
     centre = np.append(point, most)
-    for _ in range(PROXIMAL_STEPS):
+    for weight in PROXIMAL_WEIGHTS:
         if least > tolerance or most <= tolerance:
             break
         try:
-            centre, _, _, _, y, _ = quadprog.solve_qp(weight, PROXIMAL_WEIGHT * centre - slope, -C.T, -d, 0)
+            centre, _, _, _, y, _ = quadprog.solve_qp(weight * identity, weight * centre - slope, -C.T, -d, 0)
         except ValueError:
             break
         candidate = np.clip(centre[:n], lb, ub)

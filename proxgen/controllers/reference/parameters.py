@@ -1,11 +1,12 @@
 """The parameters that stay settable at run time: values from the configuration, and what is accepted."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
 
+from proxgen.config.ranges import RANGES
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import OFF, Array
 from proxgen.errors import ControllerError, unknown_name
@@ -96,40 +97,6 @@ def default_parameters(config: Config, model: RobotModel) -> Parameters:
     )
 
 
-_ABOVE_ZERO = (lambda value: value > 0.0, "greater than 0")
-_NOT_NEGATIVE = (lambda value: value >= 0.0, "0 or greater")
-_NOT_POSITIVE = (lambda value: value <= 0.0, "0 or less")
-
-_ACCEPTED: dict[str, tuple[Callable[[Array], Any], str]] = {
-    "qdot_limit": _ABOVE_ZERO,
-    "qddot_limit": _ABOVE_ZERO,
-    "joint_damper": _ABOVE_ZERO,
-    "viability": (lambda value: (value == 0.0) | (value == 1.0), "0 or 1"),
-    "limit_tolerance": _NOT_NEGATIVE,
-    "period": _ABOVE_ZERO,
-    "max_period": _NOT_NEGATIVE,
-    "sensor_timeout": _ABOVE_ZERO,
-    "d_r": _NOT_NEGATIVE,
-    "approach_speed": _ABOVE_ZERO,
-    "repulse_speed": _NOT_POSITIVE,
-    "damper_safety": _NOT_NEGATIVE,
-    "damper_gain": _ABOVE_ZERO,
-    "damper_repulse_speed": _NOT_POSITIVE,
-    "row_speed": _ABOVE_ZERO,
-    "d_active": _ABOVE_ZERO,
-    "damping_gain": _NOT_NEGATIVE,
-    "damping_threshold": _NOT_NEGATIVE,
-    "damping_floor": (lambda value: value >= 1e-9, "at least 1e-9"),
-    "slack_weight": _ABOVE_ZERO,
-    "slack_minimum": _ABOVE_ZERO,
-    "slack_maximum": _ABOVE_ZERO,
-    "slack_active_weight": _ABOVE_ZERO,
-    "posture_weight": _NOT_NEGATIVE,
-    "posture_gain": _NOT_NEGATIVE,
-}
-"""Column "accepted" of the table, for the parameters that are accepted or refused by themselves."""
-
-
 def changed(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
     """A copy with some values replaced.
 
@@ -159,11 +126,11 @@ def _converted(name: str, value: Any, shape: tuple[int, ...]) -> float | Array:
         raise ControllerError(f"parameter '{name}' must be {_shape_words(shape)}, not {value!r}") from error
     if array.shape != shape:
         raise ControllerError(f"parameter '{name}' must be {_shape_words(shape)}, not shape {array.shape}")
-    if not np.all(np.abs(array) <= OFF):
-        raise ControllerError(f"parameter '{name}' must be within -1e20 and 1e20, not {value!r}")
-    accepted, words = _ACCEPTED.get(name, (np.isfinite, "finite"))
-    if not np.all(accepted(array)):
-        raise ControllerError(f"parameter '{name}' must be {words}, not {value!r}")
+    lower, upper = RANGES[name]
+    if not np.all((lower <= array) & (array <= upper)):
+        raise ControllerError(f"parameter '{name}' must be within {lower:g} and {upper:g}, not {value!r}")
+    if name == "viability" and array not in (0.0, 1.0):
+        raise ControllerError(f"parameter 'viability' must be 0 or 1, not {value!r}")
     return array if shape else float(array)
 
 
