@@ -2,13 +2,10 @@
 
 from collections.abc import Iterable
 
+from proxgen.config.ranges import NONE, RANGES
 from proxgen.config.schema import Config
 from proxgen.model import RobotModel
 from proxgen.program import Parameter
-
-BIG = 1e20
-TINY = 1e-12
-"""Least value of a parameter that must be above zero."""
 
 
 def parameters(config: Config, model: RobotModel) -> tuple[Parameter, ...]:
@@ -16,17 +13,15 @@ def parameters(config: Config, model: RobotModel) -> tuple[Parameter, ...]:
     return (*_joint_parameters(config, model), *_cycle_parameters(config), *_avoidance_parameters(config))
 
 
-def _scalar(name: str, unit: str, default: float, lower: float, upper: float, meaning: str) -> Parameter:
+def _scalar(name: str, unit: str, default: float, meaning: str) -> Parameter:
     """A parameter that is one number."""
-    return Parameter(name, (), unit, default, lower, upper, meaning)
+    return Parameter(name, (), unit, default, *RANGES[name], meaning)
 
 
-def _vector(
-    name: str, unit: str, default: Iterable[float], lower: float, upper: float, meaning: str
-) -> Parameter:
+def _vector(name: str, unit: str, default: Iterable[float], meaning: str) -> Parameter:
     """A parameter with one value per joint."""
     values = tuple(float(value) for value in default)
-    return Parameter(name, (len(values),), unit, values, lower, upper, meaning)
+    return Parameter(name, (len(values),), unit, values, *RANGES[name], meaning)
 
 
 def _joint_parameters(config: Config, model: RobotModel) -> list[Parameter]:
@@ -36,39 +31,30 @@ def _joint_parameters(config: Config, model: RobotModel) -> list[Parameter]:
     weights = [posture.weight if posture and name in preferred else 0.0 for name in model.joint_names]
     positions = [preferred.get(name, 0.0) for name in model.joint_names]
     return [
-        _vector("q_lower", "rad", model.q_lower, -BIG, BIG, "lower position limits q_lb (11)"),
-        _vector("q_upper", "rad", model.q_upper, -BIG, BIG, "upper position limits q_ub (11)"),
-        _vector("qdot_limit", "rad/s", model.qdot_limit, TINY, BIG, "velocity limits (3)"),
-        _vector("qddot_limit", "rad/s^2", model.qddot_limit, TINY, BIG, "acceleration limits; 1e20: none"),
-        _vector("posture_weight", "", weights, 0.0, BIG, "weights W of the posture task; 0: none"),
-        _vector("posture", "rad", positions, -BIG, BIG, "preferred positions q_p"),
-        _scalar(
-            "posture_gain", "1/s", posture.gain if posture else 0.0, 0.0, BIG, "gain k of the posture task"
-        ),
+        _vector("q_lower", "rad", model.q_lower, "lower position limits q_lb (11)"),
+        _vector("q_upper", "rad", model.q_upper, "upper position limits q_ub (11)"),
+        _vector("qdot_limit", "rad/s", model.qdot_limit, "velocity limits (3)"),
+        _vector("qddot_limit", "rad/s^2", model.qddot_limit, "acceleration limits; 1e20: none"),
+        _vector("posture_weight", "", weights, "weights W of the posture task; 0: none"),
+        _vector("posture", "rad", positions, "preferred positions q_p"),
+        _scalar("posture_gain", "1/s", posture.gain if posture else 0.0, "gain k of the posture task"),
     ]
 
 
 def _cycle_parameters(config: Config) -> list[Parameter]:
     """Timing, limits that are one number, damping."""
     limits, damping, control = config.limits, config.damping, config.control
-    damper = BIG if limits.joint_damper is None else limits.joint_damper
+    damper = NONE if limits.joint_damper is None else limits.joint_damper
     return [
-        _scalar("joint_damper", "1/s", damper, TINY, BIG, "velocity per distance to the limit; 1e20: none"),
-        _scalar("viability", "", float(limits.viability), 0.0, 1.0, "1: limits stay reachable by braking"),
-        _scalar("limit_tolerance", "rad", limits.tolerance, 0.0, BIG, "q further outside is a fault"),
-        _scalar("period", "s", 1.0 / control.rate, TINY, BIG, "time Δt of a control cycle"),
-        _scalar(
-            "max_period",
-            "s",
-            control.deadline or 0.0,
-            0.0,
-            BIG,
-            "longer is a fault; 0: not checked",
-        ),
-        _scalar("sensor_timeout", "s", config.skin.timeout, TINY, BIG, "an older reading is a fault"),
-        _scalar("damping_gain", "", damping.gain, 0.0, BIG, "g_λ (15)"),
-        _scalar("damping_threshold", "", damping.threshold, 0.0, BIG, "w_0 (15)"),
-        _scalar("damping_floor", "", damping.floor, 1e-9, BIG, "λ_min, keeps H positive definite"),
+        _scalar("joint_damper", "1/s", damper, "velocity per distance to the limit; 1e20: none"),
+        _scalar("viability", "", float(limits.viability), "1: limits stay reachable by braking"),
+        _scalar("limit_tolerance", "rad", limits.tolerance, "q further outside is a fault"),
+        _scalar("period", "s", 1.0 / control.rate, "time Δt of a control cycle"),
+        _scalar("max_period", "s", control.deadline or 0.0, "longer is a fault; 0: not checked"),
+        _scalar("sensor_timeout", "s", config.skin.timeout, "an older reading is a fault"),
+        _scalar("damping_gain", "", damping.gain, "g_λ (15)"),
+        _scalar("damping_threshold", "", damping.threshold, "w_0 (15)"),
+        _scalar("damping_floor", "", damping.floor, "λ_min, keeps H positive definite"),
     ]
 
 
@@ -76,20 +62,20 @@ def _avoidance_parameters(config: Config) -> list[Parameter]:
     """Thresholds (17), speeds (16), the damper schedule, slack weights."""
     avoid, damper, slack = config.avoidance, config.avoidance.damper, config.relaxation.slack
     return [
-        _scalar("d_a", "m", avoid.d_a, TINY, BIG, "obstacles beyond give no row (17)"),
-        _scalar("d_0u", "m", avoid.d_0u, 0.0, BIG, "upper end of the dead zone (17)"),
-        _scalar("d_0l", "m", avoid.d_0l, 0.0, BIG, "lower end of the dead zone (17)"),
-        _scalar("d_r", "m", avoid.d_r, 0.0, BIG, "full repulsion at and below (17)"),
-        _scalar("approach_speed", "m/s", avoid.approach_speed, TINY, BIG, "approach speed at d_a (16)"),
-        _scalar("repulse_speed", "m/s", avoid.repulse_speed, -BIG, 0.0, "approach speed at d_r (16)"),
-        _scalar("damper_influence", "m", damper.influence_distance, TINY, BIG, "d_i of the damper schedule"),
-        _scalar("damper_safety", "m", damper.safety_distance, 0.0, BIG, "d_s of the damper schedule"),
-        _scalar("damper_gain", "1/s", damper.gain, TINY, BIG, "repulsive speed per distance below d_s"),
-        _scalar("damper_repulse_speed", "m/s", damper.repulse_speed, -BIG, 0.0, "v_r, its bound"),
-        _scalar("row_speed", "rad/s", avoid.row_speed, TINY, BIG, "a row demands no more joint speed"),
-        _scalar("d_active", "m", avoid.active.distance, TINY, BIG, "links nearer than this take part in (7)"),
-        _scalar("slack_weight", "", slack.weight, TINY, BIG, "weight of a capsule's soft row"),
-        _scalar("slack_minimum", "", slack.minimum, TINY, BIG, "lower clip of the ramp of the weights"),
-        _scalar("slack_maximum", "", slack.maximum, TINY, BIG, "upper clip of the ramp of the weights"),
-        _scalar("slack_active_weight", "", slack.active_weight, TINY, BIG, "weight of the soft active row"),
+        _scalar("d_a", "m", avoid.d_a, "obstacles beyond give no row (17)"),
+        _scalar("d_0u", "m", avoid.d_0u, "upper end of the dead zone (17)"),
+        _scalar("d_0l", "m", avoid.d_0l, "lower end of the dead zone (17)"),
+        _scalar("d_r", "m", avoid.d_r, "full repulsion at and below (17)"),
+        _scalar("approach_speed", "m/s", avoid.approach_speed, "approach speed at d_a (16)"),
+        _scalar("repulse_speed", "m/s", avoid.repulse_speed, "approach speed at d_r (16)"),
+        _scalar("damper_influence", "m", damper.influence_distance, "d_i of the damper schedule"),
+        _scalar("damper_safety", "m", damper.safety_distance, "d_s of the damper schedule"),
+        _scalar("damper_gain", "1/s", damper.gain, "repulsive speed per distance below d_s"),
+        _scalar("damper_repulse_speed", "m/s", damper.repulse_speed, "v_r, its bound"),
+        _scalar("row_speed", "rad/s", avoid.row_speed, "a row demands no more joint speed"),
+        _scalar("d_active", "m", avoid.active.distance, "links nearer than this take part in (7)"),
+        _scalar("slack_weight", "", slack.weight, "weight of a capsule's soft row"),
+        _scalar("slack_minimum", "", slack.minimum, "lower clip of the ramp of the weights"),
+        _scalar("slack_maximum", "", slack.maximum, "upper clip of the ramp of the weights"),
+        _scalar("slack_active_weight", "", slack.active_weight, "weight of the soft active row"),
     ]
