@@ -13,6 +13,7 @@ from proxgen.emit.text import WIDTH
 
 _MACRO = re.compile(r"^(#define \w+(?:\([^)]*\))?) +(?!\\$)(\S.*)$")
 _TRAILING = re.compile(r"^(\s*[^\s/#*].*?[;,{]) +(/\* .* \*/)$")
+_CONSTRUCTOR = re.compile(r"^( *\S.*\)(?: noexcept)?|) *: (\w+\(.*)$")
 _COMMENT = re.compile(r"^(\s*)(/\*|\*)(\s+)(.*?)(\s*\*/)?$")
 
 
@@ -49,11 +50,15 @@ def _protect_macros(lines: list[str]) -> list[str]:
     for continued, run in groupby(_with_previous(lines), key=lambda pair: _is_continued(*pair)):
         group = [line for _, line in run]
         if continued:
-            padded = [line.removesuffix("\\").rstrip() for line in group]
-            padded = [line.ljust(WIDTH - 1) + "\\" for line in padded[:-1]] + padded[-1:]
+            padded = [_backslash_last(line) for line in group]
             group = ["/* clang-format off */", *padded, "/* clang-format on */"]
         result += group
     return result
+
+
+def _backslash_last(line: str) -> str:
+    """The line with the backslash that continues it, if there is one, in the last column."""
+    return line[:-1].rstrip().ljust(WIDTH - 1) + "\\" if line.endswith("\\") else line
 
 
 def _with_previous(lines: list[str]) -> list[tuple[str, str]]:
@@ -103,18 +108,38 @@ def _wrap_comment(line: str) -> list[str]:
 
 
 def _wrap_declaration(line: str) -> list[str]:
-    """Break a declaration or call behind commas; it continues under its first argument."""
+    """Break a declaration or call behind commas, under its first argument; a constructor also before `:`."""
+    if match := _CONSTRUCTOR.match(line):
+        head, initialisers = match.groups()
+        column = len(line) - len(line.lstrip()) + (4 if head else 0)
+        return [*filter(None, [head]), *_pack(" " * column + ": ", initialisers)]
     column = line.find("(") + 1
     if column == 0 or line.startswith("#"):
         return [line]
-    first, *pieces = re.split(r"(?<=,) ", line[column:])
-    lines = [line[:column] + first]
-    for piece in pieces:
-        if len(lines[-1]) + 1 + len(piece) <= WIDTH:
-            lines[-1] += " " + piece
+    return _pack(line[:column], line[column:])
+
+
+def _pack(head: str, items: str) -> list[str]:
+    """Items behind `head`, as many on each line as fit, not broken inside their own parentheses."""
+    first, *others = _items(items)
+    lines = [head + first]
+    for item in others:
+        if len(lines[-1]) + 1 + len(item) <= WIDTH:
+            lines[-1] += " " + item
         else:
-            lines.append(" " * column + piece)
+            lines.append(" " * len(head) + item)
     return lines
+
+
+def _items(text: str) -> list[str]:
+    """`text` split behind its commas, except inside parentheses."""
+    items, depth = [""], 0
+    for piece in re.split(r"(?<=,) ", text):
+        items[-1] += f" {piece}" if items[-1] else piece
+        depth += piece.count("(") - piece.count(")")
+        if depth <= 0 and piece.endswith(","):
+            items.append("")
+    return items
 
 
 def _align(lines: list[str], pattern: re.Pattern[str]) -> list[str]:

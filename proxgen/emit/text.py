@@ -11,11 +11,14 @@ WIDTH = 110
 """Greatest number of columns of a line, as in `.clang-format`."""
 
 _KEYWORDS = frozenset(
-    """auto break case char const continue default do double else enum extern float for goto if inline int
-    long register restrict return short signed sizeof static struct switch typedef union unsigned void volatile
-    while class delete explicit export friend mutable namespace new operator private protected public template
-    this throw try typename using virtual bool true false nullptr""".split()  # noqa: SIM905
+    """
+    auto bool break case char class const continue default delete do double else enum explicit export extern
+    false float for friend goto if inline int long mutable namespace new nullptr operator private protected
+    public register restrict return short signed sizeof static struct switch template this throw true try
+    typedef typename union unsigned using virtual void volatile while
+    """.split()  # noqa: SIM905
 )
+"""Words that are taken in C or C++."""
 
 
 def identifier(name: str) -> str:

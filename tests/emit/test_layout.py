@@ -56,6 +56,21 @@ def test_declarations_are_wrapped_under_their_first_argument() -> None:
     assert " ".join(part.strip() for part in wrapped) == line
 
 
+def test_macros_of_several_lines_stay_apart() -> None:
+    lines = tidy("#define A \\\n  1\n#define B   \\\n  (2 + \\\n   3)\nint x;\n").splitlines()
+    assert [line.rstrip(" \\") for line in lines] == [
+        "/* clang-format off */",
+        "#define A",
+        "  1",
+        "#define B",
+        "  (2 +",
+        "   3)",
+        "/* clang-format on */",
+        "int x;",
+    ]
+    assert [line.endswith("\\") for line in lines] == [False, True, False, True, True, False, False, False]
+
+
 def test_text_that_is_switched_off_keeps_its_breaks() -> None:
     block = "/* clang-format off */\nint f(int a,\n  int b);\n" + "x" * 200 + "\n/* clang-format on */\n"
     assert tidy(block) == block
