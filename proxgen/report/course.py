@@ -10,9 +10,6 @@ from proxgen.report import style
 from proxgen.report.derive import least_distance, status_spans
 from proxgen.simulation.log import RolloutLog
 
-_FARTHEST = 0.6
-"""Distances beyond are cut off: nothing happens there [m]."""
-
 TITLE = "Course of the run"
 CAPTION = (
     "Above: the distance to the present target falls until it is reached and swapped. Middle: true distance "
@@ -35,10 +32,9 @@ def course_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
     draw_status(strip, log)
     strip.set_xlabel("time [s]")
     strip.set_title("Status of every cycle", pad=5)
-    strip.legend(
-        handles=status_legend(log), loc="upper left", bbox_to_anchor=(0.0, -1.9), ncols=4, borderaxespad=0.0,
-        handlelength=1.2, handleheight=0.9,
-    )  # fmt: skip
+    figure.legend(
+        handles=status_legend(log), loc="outside lower center", ncols=3, handlelength=1.2, handleheight=0.9
+    )
     figure.align_ylabels([sawtooth, nearest])
     return figure
 
@@ -60,32 +56,34 @@ def draw_sawtooth(axes: Axes, log: RolloutLog, tolerance: float | None = None) -
     style.legend_above(axes)
 
 
-def draw_zones(axes: Axes, log: RolloutLog, farthest: float, labels: bool = True) -> None:
+def farthest(log: RolloutLog) -> float:
+    """Distances beyond are cut off in the figures, as nothing happens there [m]."""
+    return 1.55 * float(log.meta["thresholds"]["d_a"])
+
+
+def draw_zones(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
     """The four thresholds as lines, and what the controller does between them as shades."""
-    thresholds = log.meta["thresholds"]
-    top = farthest
+    thresholds, (lowest, top) = log.meta["thresholds"], axes.get_ylim()
     for name, _, shade in style.ZONES:
-        bottom = thresholds[name] if name else min(0.0, axes.get_ylim()[0])
+        bottom = thresholds[name] if name else lowest
         axes.axhspan(bottom, top, color=shade, linewidth=0.0, zorder=0)
         if name:
             axes.axhline(
                 bottom, color=style.VERMILLION if name == "d_r" else style.MUTED, linewidth=0.8, zorder=1
             )
-            if labels:
-                symbol = f"${name[0]}_{{{name[2:]}}}$"
-                axes.annotate(
-                    f"{symbol} {bottom:g} m", (1.0, bottom), (4, 0), va="center", fontsize=8,
-                    xycoords=("axes fraction", "data"), textcoords="offset points", color=style.INK,
-                )  # fmt: skip
         top = bottom
+    if labels:
+        names = [name for name, _, _ in style.ZONES if name]
+        texts = [f"${name[0]}_{{{name[2:]}}}$ {thresholds[name]:.2f} m" for name in names]
+        style.labels_at_right(axes, [thresholds[name] for name in names], texts)
 
 
 def draw_least_distance(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
     """True distance of whichever link is nearest to any obstacle, over the zones of the law (13)."""
     least = least_distance(log)
-    axes.set_ylim(min(0.0, float(least.min(initial=0.0)) * 1.1), _FARTHEST)
-    draw_zones(axes, log, _FARTHEST, labels)
-    axes.plot(log.time, np.minimum(least, 2 * _FARTHEST), color=style.INK)
+    axes.set_ylim(min(0.0, float(least.min(initial=0.0)) * 1.1), farthest(log))
+    draw_zones(axes, log, labels)
+    axes.plot(log.time, np.minimum(least, 2.0 * farthest(log)), color=style.INK)
     axes.grid(visible=False)
     axes.set_xlim(log.time[0], log.time[-1])
     axes.set_ylabel("distance [m]")

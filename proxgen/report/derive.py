@@ -1,12 +1,13 @@
 """What several figures derive from a log: labels, least distances, legs between targets, units."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from proxgen.controllers.protocol import Status
-from proxgen.model.robot_model import RobotModel
+from proxgen.model.robot_model import CapsuleModel, RobotModel
 from proxgen.simulation.log import RolloutLog
 
 Array = NDArray[np.float64]
@@ -25,6 +26,12 @@ def label(log: RolloutLog) -> str:
     meta = log.meta
     backend = "" if meta["backend"] == "none" else f" ({meta['backend']})"
     return f"{meta['scene']}, {meta['controller']}{backend}, {meta['sensing']} sensing"
+
+
+def microseconds(value: float) -> str:
+    """A time with three digits, never with an exponent."""
+    digits = max(2 - math.floor(math.log10(value)), 0) if value > 0.0 else 0
+    return f"{value:.{digits}f} µs"
 
 
 def least_distance(log: RolloutLog) -> Array:
@@ -73,3 +80,14 @@ def status_spans(log: RolloutLog) -> dict[Status, list[tuple[float, float]]]:
         begin, end = float(times[first]), float(times[after])
         spans.setdefault(Status(int(log.status[first])), []).append((begin, end - begin))
     return dict(sorted(spans.items()))
+
+
+def with_pedestal(model: RobotModel) -> RobotModel:
+    """The arm as it is drawn: with a column from the floor to the first joint, which no capsule covers."""
+    foot = np.zeros(3)
+    first = np.array(model.pin_model.jointPlacements[1].translation)
+    if float(np.linalg.norm(first)) < 0.05:
+        return model
+    radius = 0.9 * min(capsule.radius for capsule in model.capsules)
+    pedestal = CapsuleModel("pedestal", 0, foot, first, radius, radius)
+    return replace(model, capsules=(pedestal, *model.capsules))

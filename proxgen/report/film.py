@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from proxgen.model.robot_model import RobotModel
 from proxgen.report import style
-from proxgen.report.derive import spread, typical_leg
+from proxgen.report.derive import spread, typical_leg, with_pedestal
 from proxgen.report.path import obstacles_of
 from proxgen.simulation.arm import ArmGeometry
 from proxgen.simulation.log import RolloutLog
@@ -28,7 +28,7 @@ def film_figure(log: RolloutLog, model: RobotModel, camera: Camera | None = None
     """
     view = camera or Camera(width=720, height=720)
     moments = spread(typical_leg(log), log, _MOMENTS)
-    geometry, field = ArmGeometry(model), ObstacleField(obstacles_of(log))
+    geometry, field = ArmGeometry(with_pedestal(model)), ObstacleField(obstacles_of(log))
     targets = np.array(log.meta["targets"]).reshape(-1, 3)
     figure = style.new_figure(0.35 + style.WIDTH / len(moments) * view.height / view.width)
     panels = figure.subplots(1, len(moments), squeeze=False)[0]

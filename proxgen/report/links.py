@@ -5,11 +5,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from proxgen.report import style
-from proxgen.report.course import draw_zones
+from proxgen.report.course import draw_zones, farthest
 from proxgen.simulation.log import RolloutLog
-
-_FARTHEST = 0.6
-"""Distances beyond are cut off: nothing happens there [m]."""
 
 TITLE = "Distance of every link"
 CAPTION = (
@@ -29,9 +26,9 @@ def links_figure(log: RolloutLog) -> Figure:
         lowest = min(
             0.0, float(true[:, index].min(initial=0.0)), float(np.nanmin(seen[:, index], initial=0.0))
         )
-        axes.set_ylim(1.1 * lowest, _FARTHEST)
-        draw_zones(axes, log, _FARTHEST)
-        axes.plot(log.time, np.minimum(true[:, index], 2 * _FARTHEST), color=style.INK)
+        axes.set_ylim(1.1 * lowest, farthest(log))
+        draw_zones(axes, log)
+        axes.plot(log.time, np.minimum(true[:, index], 2.0 * farthest(log)), color=style.INK)
         axes.plot(log.time, seen[:, index], color=style.BLUE, linestyle="none", marker=".", markersize=2.2)
         axes.grid(visible=False)
         axes.set_title(name)

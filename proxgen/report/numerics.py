@@ -5,12 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from proxgen.report import style
-from proxgen.report.derive import label
+from proxgen.report.derive import label, microseconds
 from proxgen.simulation.log import RolloutLog
 
+_LEAST = 1e-18
+"""What is smaller is drawn here: a logarithmic axis has no zero."""
 _PERCENTILES = ((50.0, "p50"), (99.0, "p99"), (99.9, "p99.9"))
 
 NUMERICS_TITLE = "Singularity and certificate"
@@ -39,7 +41,7 @@ def numerics_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
         ("Residual of the optimality conditions (certificate)", log.kkt_residual, style.GREEN, "residual"),
     )
     for axes, (title, values, colour, name) in zip(panels, rows, strict=True):
-        axes.semilogy(log.time, np.where(values > 0.0, values, np.nan), color=colour)
+        axes.semilogy(log.time, np.maximum(values, _LEAST), color=colour)
         axes.set_title(title)
         axes.set_ylabel(name)
         axes.set_xlim(log.time[0], log.time[-1])
@@ -59,7 +61,7 @@ def timing_figure(logs: Sequence[RolloutLog]) -> Figure:
     figure = style.new_figure(0.7 + 1.9 * len(logs))
     panels = figure.subplots(len(logs), 1, sharex=True, squeeze=False)[:, 0]
     every = np.concatenate([log.cycle_us for log in logs])
-    bins = np.geomspace(0.8 * every.min(), 1.25 * every.max(), 90).tolist()
+    bins = np.geomspace(0.8 * every.min(), 2.0 * every.max(), 90).tolist()
     for axes, log in zip(panels, logs, strict=True):
         _draw_histogram(axes, log, bins)
     panels[-1].set_xlabel("time per cycle [µs]")
@@ -71,15 +73,18 @@ def _draw_histogram(axes: Axes, log: RolloutLog, bins: list[float]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_ylim(bottom=0.7)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
     top = axes.get_ylim()[1]
     axes.set_ylim(0.7, top**1.22)
     for level, (percent, name) in enumerate(_PERCENTILES):
         value = float(np.percentile(log.cycle_us, percent))
         axes.axvline(value, color=style.VERMILLION, linewidth=1.0)
         axes.annotate(
-            f"{name}  {value:.3g} µs", (value, 0.97 - 0.13 * level), (4, 0), va="top", fontsize=8.5,
+            f"{name}  {microseconds(value)}", (value, 0.97 - 0.13 * level), (4, 0), va="top", fontsize=8.5,
             xycoords=("data", "axes fraction"), textcoords="offset points",
+            bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1.0},
         )  # fmt: skip
     axes.set_ylabel("cycles")
     axes.set_title(label(log))

@@ -1,8 +1,6 @@
 """Puts figures and tables onto one page that opens from disk, without a network, and prints well."""
 
 import base64
-import os
-import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -103,12 +101,4 @@ def write_page(path: Path, page: Page) -> Path:
         keep_trailing_newline=True,
     )
     text = environment.get_template("report.html.j2").render(vars(page))
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
-    return path
+    return style.write_whole(path, text.encode())

@@ -1,6 +1,7 @@
 """Where the tool went: three views to one scale and one in space, with obstacles, targets and the arm."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,13 +10,14 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from mpl_toolkits.mplot3d.axes3d import Axes3D
 from numpy.typing import NDArray
 
 from proxgen.model.robot_model import RobotModel
 from proxgen.report import style
-from proxgen.report.derive import least_distance, spread, typical_leg
+from proxgen.report.derive import least_distance, spread, typical_leg, with_pedestal
 from proxgen.report.outlines import box_faces, capsule_outline, obstacle_outline, round_surface
 from proxgen.simulation.arm import ArmGeometry
 from proxgen.simulation.log import RolloutLog
@@ -47,7 +49,7 @@ def path_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
         log: the run.
         model: the arm; drawn at some moments of one way between two targets if given.
     """
-    arms = arm_axes(log, model) if model is not None else []
+    arms = postures(log, model) if model is not None else []
     low, high = bounds(log, arms)
     size = high - low
     scale = 0.86 * style.WIDTH / (size[1] + size[0])
@@ -56,7 +58,7 @@ def path_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
     views = ((FRONT, grid[0, 0], "Front"), (SIDE, grid[0, 1], "Side"), (TOP, grid[1, 0], "Top"))
     for view, place, title in views:
         axes = figure.add_subplot(place)
-        draw_view(axes, log, view, low, high, arms=arms, radii=log.meta["capsule_radii"])
+        draw_view(axes, log, view, low, high, arms)
         axes.set_title(title)
     space = figure.add_subplot(grid[1, 1], projection="3d")
     assert isinstance(space, Axes3D)
@@ -65,11 +67,20 @@ def path_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
     return figure
 
 
-def arm_axes(log: RolloutLog, model: RobotModel) -> list[tuple[Array, Array]]:
-    """Ends of the capsules' axes, each (L, 3), at some moments of a typical way between targets."""
-    geometry = ArmGeometry(model)
+@dataclass(frozen=True)
+class Posture:
+    """The arm's capsules in the world: ends of their axes, each (L, 3), and radii (L,) [m]."""
+
+    starts: Array
+    ends: Array
+    radii: Array
+
+
+def postures(log: RolloutLog, model: RobotModel) -> list[Posture]:
+    """The arm at some moments of a typical way between targets."""
+    geometry = ArmGeometry(with_pedestal(model))
     moments = spread(typical_leg(log), log, _ARMS)
-    return [geometry.axes(geometry.poses(log.q[moment])) for moment in moments]
+    return [Posture(*geometry.axes(geometry.poses(log.q[moment])), geometry.radius) for moment in moments]
 
 
 def obstacles_of(log: RolloutLog) -> list[Obstacle]:
@@ -84,10 +95,10 @@ def centres(obstacle: Obstacle) -> list[Array]:
     return [obstacle.position, obstacle.position + obstacle.motion.distance * obstacle.motion.direction]
 
 
-def bounds(log: RolloutLog, arms: Sequence[tuple[Array, Array]]) -> tuple[Array, Array]:
+def bounds(log: RolloutLog, arms: Sequence[Posture]) -> tuple[Array, Array]:
     """Lower and upper corner (3,) of all that is drawn, with a margin [m]."""
     points = [log.tool_position, np.array(log.meta["targets"]).reshape(-1, 3), np.zeros((1, 3))]
-    points += [ends for arm in arms for ends in arm]
+    points += [ends for arm in arms for ends in (arm.starts, arm.ends)]
     for obstacle in obstacles_of(log):
         for centre in centres(obstacle):
             planes = [obstacle_outline(obstacle, centre, view) for view in (FRONT, SIDE)]
@@ -98,22 +109,26 @@ def bounds(log: RolloutLog, arms: Sequence[tuple[Array, Array]]) -> tuple[Array,
             points.append(reach)
     cloud = np.concatenate(points)
     low, high = cloud.min(axis=0) - 0.08, cloud.max(axis=0) + 0.08
-    middle, half = 0.5 * (low + high), np.maximum(0.5 * (high - low), 0.25)
+    half = 0.5 * (high - low)
+    middle, half = low + half, np.maximum(half, 0.4 * half.max())
     return middle - half, middle + half
 
 
 def draw_view(
     axes: Axes, log: RolloutLog, view: tuple[int, int], low: Array, high: Array,
-    arms: Sequence[tuple[Array, Array]] = (), radii: Sequence[float] = (),
+    arms: Sequence[Posture] = (),
 ) -> None:  # fmt: skip
     """One view along an axis: obstacles and arm to scale, the path, the targets."""
     right, up = view
     plane = [right, up]
     for number, arm in enumerate(arms):
-        shade = 0.10 + 0.16 * number / max(len(arms) - 1, 1)
-        for start, end, radius in zip(*arm, radii, strict=True):
+        shade = 0.06 + 0.16 * number / max(len(arms) - 1, 1)
+        for start, end, radius in zip(arm.starts, arm.ends, arm.radii, strict=True):
             outline = capsule_outline(start[plane], end[plane], radius)
             axes.add_patch(Polygon(outline, facecolor=style.MUTED, alpha=shade, linewidth=0.0))
+            axes.add_patch(
+                Polygon(outline, fill=False, edgecolor=style.MUTED, alpha=2.0 * shade, linewidth=0.7)
+            )
     for obstacle in obstacles_of(log):
         for number, centre in enumerate(centres(obstacle)):
             look = _AT_REST if number == 0 else _FAR_END
@@ -156,9 +171,7 @@ def _path_colours(log: RolloutLog) -> list[str]:
     return [style.VERMILLION if below else style.BLUE for below in near.tolist()]
 
 
-def _draw_space(
-    axes: Axes3D, log: RolloutLog, low: Array, high: Array, arms: Sequence[tuple[Array, Array]]
-) -> None:
+def _draw_space(axes: Axes3D, log: RolloutLog, low: Array, high: Array, arms: Sequence[Posture]) -> None:
     """The same in space, seen from the front and a little from above."""
     for obstacle in obstacles_of(log):
         if obstacle.shape == "box":
@@ -167,9 +180,11 @@ def _draw_space(
         else:
             surface = round_surface(obstacle, obstacle.position)
             axes.plot_surface(*surface, color=style.OBSTACLE, alpha=0.45, linewidth=0.0)
-    for starts, ends in arms[:: max(len(arms) // 2, 1)]:
+    for arm in arms[:: max(len(arms) // 2, 1)]:
         axes.add_collection3d(
-            Line3DCollection(np.stack([starts, ends], axis=1), colors=style.MUTED, linewidths=4.0, alpha=0.35)
+            Line3DCollection(
+                np.stack([arm.starts, arm.ends], axis=1), colors=style.MUTED, linewidths=4.0, alpha=0.35
+            )
         )
     axes.add_collection3d(
         Line3DCollection(_segments(log.tool_position), colors=_path_colours(log), linewidths=1.0)
@@ -179,5 +194,7 @@ def _draw_space(
     for setter, name, index in ((axes.set_xlim, "x", 0), (axes.set_ylim, "y", 1), (axes.set_zlim, "z", 2)):
         setter(low[index], high[index])
         getattr(axes, f"set_{name}label")(f"{name} [m]")
+        getattr(axes, f"{name}axis").set_major_locator(MaxNLocator(5))
     axes.set_box_aspect(high - low)
     axes.view_init(elev=20.0, azim=-35.0)
+    axes.set_title("In space", loc="left")

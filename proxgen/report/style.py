@@ -5,9 +5,9 @@ Colours follow Okabe and Ito (2008), which people with any colour vision can tel
 """
 
 import os
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -112,16 +112,21 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
 
 def save(figure: Figure, path: Path) -> Path:
     """Write the figure as PNG, whole or not at all."""
+    buffer = BytesIO()
+    # Without the version of matplotlib the same figure gives the same bytes.
+    figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
+    return write_whole(path, buffer.getvalue())
+
+
+def write_whole(path: Path, content: bytes) -> Path:
+    """Write a file whole or not at all, into a folder that is made if it does not exist."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".tmp")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        with os.fdopen(handle, "wb") as file:
-            # Without the version of matplotlib the same figure gives the same bytes.
-            figure.savefig(file, format="png", dpi=DPI, metadata={"Software": None})
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+        part.write_bytes(content)
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
     return path
 
 
@@ -132,3 +137,27 @@ def legend_above(axes: Axes, handles: Sequence[Any] | None = None, columns: int 
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=columns, borderaxespad=0.2, handlelength=1.4,
         columnspacing=1.2, **options,
     )  # fmt: skip
+
+
+def labels_at_right(axes: Axes, values: Sequence[float], texts: Sequence[str], size: float = 8.0) -> None:
+    """Texts to the right of horizontal lines, moved apart where the lines lie close together.
+
+    Args:
+        axes: limits and size must be final.
+        values: heights of the lines, descending, in data units.
+        texts: one per line.
+        size: of the letters [points].
+    """
+    low, high = axes.get_ylim()
+    figure = axes.get_figure()
+    height = axes.get_position().height * (figure.get_figheight() if isinstance(figure, Figure) else 1.0)
+    gap = 1.25 * size / 72.0 / height * (high - low)
+    places = list(values)
+    for index in range(1, len(places)):
+        places[index] = min(places[index], places[index - 1] - gap)
+    shift = (sum(values) - sum(places)) / max(len(places), 1)
+    for place, text in zip(places, texts, strict=True):
+        axes.annotate(
+            text, (1.0, place + shift), (5, 0), va="center", fontsize=size, color=INK,
+            xycoords=("axes fraction", "data"), textcoords="offset points", annotation_clip=False,
+        )  # fmt: skip

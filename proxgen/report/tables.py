@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from proxgen.report.derive import label
+from proxgen.report.derive import label, microseconds
 from proxgen.simulation.log import RolloutLog
 
 
@@ -73,10 +73,10 @@ _SUMMARY: tuple[tuple[str, str, Callable[[Any], str], Callable[[Any], bool] | No
     ("Greatest change of the command per cycle", "max_abs_dqdot", lambda v: number(v, "rad/s"), None),
     ("Cycles in which the solver failed", "solver_failures", number, _is_zero),
     ("Cycles outside the joint limits", "limit_violations", number, _is_zero),
-    ("Cycle time, median", "cycle_us.p50", lambda v: number(v, "µs"), None),
-    ("Cycle time, 99 %", "cycle_us.p99", lambda v: number(v, "µs"), None),
-    ("Cycle time, 99.9 %", "cycle_us.p999", lambda v: number(v, "µs"), None),
-    ("Cycle time, greatest", "cycle_us.max", lambda v: number(v, "µs"), None),
+    ("Cycle time, median", "cycle_us.p50", microseconds, None),
+    ("Cycle time, 99 %", "cycle_us.p99", microseconds, None),
+    ("Cycle time, 99.9 %", "cycle_us.p999", microseconds, None),
+    ("Cycle time, greatest", "cycle_us.max", microseconds, None),
 )
 
 
@@ -117,7 +117,7 @@ def _card(log: RolloutLog) -> Card:
             (percent(summary["time_below_dr_fraction"]), "of the time some link below d_r"),
             (str(summary["solver_failures"]), "solver failures"),
             (str(summary["penetration_samples"]), "cycles with penetration"),
-            (number(summary["cycle_us"]["p50"], "µs"), "median cycle time, through Python"),
+            (microseconds(summary["cycle_us"]["p50"]), "median cycle time, through Python"),
         ],
     )
 

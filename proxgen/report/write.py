@@ -38,20 +38,11 @@ def write_report(
     """
     gallery = Gallery(directory)
     model = _model(config)
-    sections = [
-        Section(
-            "numbers",
-            "Numbers",
-            "What `proxgen run --json` writes.",
-            summary_table(logs),
-            [label(log) for log in logs],
-            "",
-        )
-    ]
+    sections = []
     if len(logs) > 1:
         sections.append(_side_by_side(gallery, logs))
     sections += [_run(gallery, index, log, config, model) for index, log in enumerate(logs)]
-    sections.append(_timing(gallery, logs))
+    sections += [_timing(gallery, logs), _numbers(logs)]
     robots = ", ".join(dict.fromkeys(log.meta["robot"] for log in logs))
     scenes = ", ".join(dict.fromkeys(log.meta["scene"] for log in logs))
     page = Page(
@@ -118,3 +109,9 @@ def _timing(gallery: Gallery, logs: Sequence[RolloutLog]) -> Section:
     draw = partial(numerics.timing_figure, logs)
     figure = gallery.add("timing", numerics.TIMING_TITLE, numerics.TIMING_CAPTION, draw)
     return Section("timing", "Cycle times", figures=[figure])
+
+
+def _numbers(logs: Sequence[RolloutLog]) -> Section:
+    """The table of all numbers."""
+    lead = "The same numbers, under the same keys, as in the JSON file of proxgen run."
+    return Section("numbers", "Numbers", lead, summary_table(logs), [label(log) for log in logs], "Number")
