@@ -1,7 +1,5 @@
 """`python -m proxgen` is the command `proxgen`."""
 
-import sys
-
 from proxgen.cli import main
 
-sys.exit(main())
+raise SystemExit(main())

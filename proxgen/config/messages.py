@@ -150,6 +150,7 @@ def _unknown_key(path: Parts, keys: Keys) -> str:
     message = unknown_name("key", name, allowed)
     homes = keys.homes_of(name) if nearest_name(name, allowed) is None else []
     if homes:
+        homes.sort(key=lambda home: home.count("."))
         places = " or ".join(f"'{home}'" if home else "the top of the file" for home in homes)
         return message.replace(" (allowed:", f"; it belongs into {places} (allowed:", 1)
     return message

@@ -66,7 +66,7 @@ class Quantity:
         except OverflowError:
             si = math.inf
         if not math.isfinite(si):
-            raise ValueError(f"expected a finite {self.kind}, found {value}")
+            raise ValueError(f"expected a finite {self.kind}, found {describe_value(value)}")
         if not self._within(si):
             shown = f"{value} {unit}" if isinstance(value, int | float) and unit else f"{value}"
             raise ValueError(

@@ -4,12 +4,12 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, PrivateAttr, Tag
+from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag
 
 from proxgen.config.loader import validate
 from proxgen.config.origin import Origin
 from proxgen.config.quantities import Angle, JointPosition, Length, Speed, Time
-from proxgen.config.section import Direction, Finding, Name, Section, Vector3, repeated_names, zero_vector
+from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
 from proxgen.config.yaml_lines import read_yaml
 from proxgen.errors import ConfigError, Problem, nearest_name, unknown_name
 
@@ -91,7 +91,9 @@ class Scene(Section):
 
     name: Name = Field(description="name of the scene")
     description: str = Field("", description="one sentence on what it shows")
-    obstacles: tuple[Obstacle, ...] = Field((), description="what the arm must not touch")
+    obstacles: Annotated[tuple[Obstacle, ...], AfterValidator(unique_names)] = Field(
+        (), description="what the arm must not touch"
+    )
     targets: tuple[Target, ...] = Field(
         min_length=1, description="the next one follows when one is reached, and after the last the first"
     )
@@ -107,10 +109,6 @@ class Scene(Section):
     )
 
     _origin: Origin = PrivateAttr(default_factory=lambda: Origin(Path()))
-
-    def contradictions(self) -> Iterator[Finding]:
-        """Obstacles of the same name."""
-        yield from repeated_names("obstacles", self.obstacles)
 
     @property
     def source(self) -> Path:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, PrivateAttr, Tag
+from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag
 
 from proxgen.config.avoidance import Active, Avoidance, Damper, Damping, Relaxation, Slack
 from proxgen.config.origin import Origin
@@ -34,7 +34,7 @@ from proxgen.config.section import (
     Name,
     Section,
     Vector3,
-    repeated_names,
+    unique_names,
     zero_vector,
 )
 from proxgen.config.skin import Capacitive, Cuff, Ring, Skin, TimeOfFlight
@@ -227,7 +227,7 @@ class Config(Section):
     robot: Robot = Field(description="which arm, and which chain of it is controlled")
     task: Task = Field(Task(), description="what the tool is to do")
     limits: Limits = Field(Limits(), description="joint limits")
-    capsules: tuple[Capsule, ...] = Field(
+    capsules: Annotated[tuple[Capsule, ...], AfterValidator(unique_names)] = Field(
         min_length=1, description="one capsule per avoiding link, each with one row of (5)"
     )
     skin: Skin = Field(Skin(), description="the proximity sensors")
@@ -240,8 +240,7 @@ class Config(Section):
     _origin: Origin = PrivateAttr(default_factory=lambda: Origin(Path()))
 
     def contradictions(self) -> Iterator[Finding]:
-        """Capsules of the same name; joints that are locked and wanted elsewhere at the same time."""
-        yield from repeated_names("capsules", self.capsules)
+        """Joints that are locked and wanted elsewhere at the same time."""
         posture = self.task.posture.joints if self.task.posture else {}
         for joint in self.robot.locked_joints:
             if joint in posture:

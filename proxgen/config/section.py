@@ -1,7 +1,7 @@
 """Section: what all parts of a YAML file have in common, and the types that they share."""
 
 from collections.abc import Iterator
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, NamedTuple, Self, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, StrictBool, model_validator
 from pydantic_core import PydanticCustomError
@@ -42,11 +42,19 @@ class Section(BaseModel):
     @model_validator(mode="after")
     def _has_no_contradictions(self) -> Self:
         """Refuse the section if it contradicts itself, with all findings."""
-        findings = list(self.contradictions())
-        if findings:
-            text = "; ".join(finding.message for finding in findings)
-            raise PydanticCustomError(CONTRADICTION, "{text}", {"text": text, "findings": findings})
+        refuse(list(self.contradictions()))
         return self
+
+
+Named = TypeVar("Named", bound=Section)
+"""A section with a `name`."""
+
+
+def refuse(findings: list[Finding]) -> None:
+    """Raise the error that carries the findings, if there are any."""
+    if findings:
+        text = "; ".join(finding.message for finding in findings)
+        raise PydanticCustomError(CONTRADICTION, "{text}", {"text": text, "findings": findings})
 
 
 def must_be_less(
@@ -64,12 +72,15 @@ def zero_vector(key: str, vector: tuple[float, float, float]) -> Iterator[Findin
         yield Finding((key,), "a direction cannot be [0, 0, 0]")
 
 
-def repeated_names(key: str, items: tuple[Any, ...]) -> Iterator[Finding]:
-    """A finding for every item of a list whose name an earlier item has."""
+def unique_names(items: tuple[Named, ...]) -> tuple[Named, ...]:
+    """The items of a list, refused if two have the same name; for use as a validator of the list."""
     seen: set[str] = set()
+    findings = []
     for index, item in enumerate(items):
-        if item.name in seen:
-            yield Finding(
-                (f"{key}.{index}.name",), f"the name '{item.name}' is given twice; names must differ"
-            )
-        seen.add(item.name)
+        name: str = item.name  # type: ignore[attr-defined]
+        if name in seen:
+            message = f"the name '{name}' is given twice; names must differ"
+            findings.append(Finding((f"{index}.name",), message))
+        seen.add(name)
+    refuse(findings)
+    return items

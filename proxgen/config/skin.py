@@ -4,10 +4,10 @@ import math
 from collections.abc import Iterator
 from typing import Annotated
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from proxgen.config.quantities import Angle, Count, Frequency, Length, Number, Time
-from proxgen.config.section import Direction, Finding, Name, Section, Vector3, repeated_names, zero_vector
+from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
 
 HALF_TURN = math.pi
 QUARTER_TURN = math.pi / 2
@@ -115,7 +115,9 @@ class Cuff(Section):
 class Skin(Section):
     """The proximity sensors: cuffs of modules, each with a range sensor and a switch."""
 
-    cuffs: tuple[Cuff, ...] = Field((), description="the cuffs; none: all obstacle points come from outside")
+    cuffs: Annotated[tuple[Cuff, ...], AfterValidator(unique_names)] = Field(
+        (), description="the cuffs; none: all obstacle points come from outside"
+    )
     tof: TimeOfFlight | None = Field(TimeOfFlight(), description="of every module; null: no range sensors")
     capacitive: Capacitive | None = Field(Capacitive(), description="of every module; null: no switches")
     timeout: Annotated[float, Time(gt=0.0, le=10.0)] = Field(
@@ -126,8 +128,7 @@ class Skin(Section):
     )
 
     def contradictions(self) -> Iterator[Finding]:
-        """Names that are not unique; sensors too slow for the timeout; cuffs that sense nothing."""
-        yield from repeated_names("cuffs", self.cuffs)
+        """Sensors too slow for the timeout; cuffs that sense nothing."""
         places: list[tuple[str, TimeOfFlight | Capacitive | None]] = [
             ("tof", self.tof),
             ("capacitive", self.capacitive),

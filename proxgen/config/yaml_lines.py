@@ -152,7 +152,7 @@ class _Builder:
             message = f"its aliases stand for more than {MAX_VALUES} values"
             raise yaml.MarkedYAMLError(problem=message, problem_mark=node.start_mark)
         if any(node is outer for outer in self._open):
-            self._report(node, path, "an alias contains itself")
+            self.problems.append(Problem(self.file, mark.line, path, "an alias contains itself"))
             return Node(None, mark)
         self._open.append(node)
         try:
