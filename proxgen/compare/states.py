@@ -92,9 +92,7 @@ def _measurement(
         capacitive=rng.random(switches) < rng.choice([0.0, 0.0, 0.05]),
         tof_age=rng.uniform(0.0, config.skin.timeout, ranges.size) if aged else None,
         capacitive_age=rng.uniform(0.0, config.skin.timeout, switches) if aged else None,
-        points=_points_around(
-            model, q, int(rng.integers(min(6, config.skin.max_points) + 1)), (least, reach), rng
-        ),
+        points=_points_around(model, q, points, (least, reach), rng),
     )
 
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from proxgen.controllers.protocol import OFF, Array, Measurement
 from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.parameters import Parameters
-from proxgen.model.robot_model import CapsuleModel, RobotModel, SensorModule
+from proxgen.model.robot_model import RobotModel, SensorModule
 
 NO_DIRECTION = 1e-6
 """An obstacle point nearer than this to a capsule's axis has no direction to leave it [m]."""
@@ -59,10 +59,25 @@ class _Places:
 
     def points(self, arm: Arm, which: NDArray[np.intp], reach: Array) -> Array:
         """Points h = o + r n (K, 3) in the world, of the sensors `which` (K,) at distances `reach` (K,)."""
-        body = self.body[which]
-        local = self.position[which] + reach[:, None] * self.normal[which]
-        points: Array = (arm.rotations[body] @ local[:, :, None])[:, :, 0] + arm.origins[body]
-        return points
+        return arm.in_world(self.body[which], self.position[which] + reach[:, None] * self.normal[which])
+
+
+class Capsules:
+    """The capsules of an arm as arrays, in their bodies' frames.
+
+    Attributes:
+        body: (L,) Pinocchio joint indices.
+        start: (L, 3) one end of each axis [m].
+        end: (L, 3) the other one [m].
+        reference_radius: (L,) subtracted from the distance to the axis [m].
+    """
+
+    def __init__(self, model: RobotModel) -> None:
+        """Collect them, once."""
+        self.body = np.array([capsule.body for capsule in model.capsules], dtype=np.intp)
+        self.start = np.array([capsule.start for capsule in model.capsules])
+        self.end = np.array([capsule.end for capsule in model.capsules])
+        self.reference_radius = np.array([capsule.reference_radius for capsule in model.capsules])
 
 
 @dataclass(frozen=True)
@@ -84,19 +99,25 @@ class Nearest:
     inside: bool
 
 
-def closest_on_segment(points: Array, start: Array, end: Array) -> Array:
-    """Closest points p (P, 3) of the segment from a to b to the points h (P, 3).
+def closest_on_segments(points: Array, start: Array, end: Array) -> Array:
+    """Closest points p (L, P, 3) of L segments to P points h: p = a + t (b - a).
 
-    p = a + t (b - a), t = clamp((h - a)·(b - a)/‖b - a‖², 0, 1).
+    t = clamp((h - a)·(b - a)/‖b - a‖², 0, 1), and 0 for a sphere, a = b.
+
+    Args:
+        points: h (P, 3).
+        start: a (L, 3).
+        end: b (L, 3).
     """
     along = end - start
-    square = along @ along
-    t = np.clip((points - start) @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
-    closest: Array = start + t[:, None] * along
+    square = (along * along).sum(axis=1)
+    projected = points @ along.T - (start * along).sum(axis=1)
+    t = np.minimum(np.maximum(projected / np.where(square > 0.0, square, 1.0), 0.0), 1.0)
+    closest: Array = start[:, None] + t.T[:, :, None] * along[:, None]
     return closest
 
 
-def nearest_points(arm: Arm, capsules: Sequence[CapsuleModel], points: Array, influence: float) -> Nearest:
+def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float) -> Nearest:
     """The nearest of the obstacle points (P, 3) for each capsule; the first of equals.
 
     Args:
@@ -105,22 +126,26 @@ def nearest_points(arm: Arm, capsules: Sequence[CapsuleModel], points: Array, in
         points: obstacle points, world [m].
         influence: d_influence, beyond which a point does not count [m].
     """
-    count, inside = len(capsules), False
-    distance = np.full(count, np.inf)
-    obstacle, closest, direction = (np.full((count, 3), np.nan) for _ in range(3))
-    for slot, capsule in enumerate(capsules if len(points) else ()):
-        start, end = arm.in_world(capsule.body, capsule.start), arm.in_world(capsule.body, capsule.end)
-        on_axis = closest_on_segment(points, start, end)
-        offset = points - on_axis
-        length = np.sqrt(np.sum(offset * offset, axis=1))
-        index = int(np.argmin(length))
-        reduced = length[index] - capsule.reference_radius
-        if reduced > influence:
-            continue
-        inside |= bool(length[index] < NO_DIRECTION)
-        distance[slot], obstacle[slot], closest[slot] = reduced, points[index], on_axis[index]
-        direction[slot] = offset[index] / max(length[index], NO_DIRECTION)
-    return Nearest(distance, obstacle, closest, direction, inside)
+    count = len(capsules.body)
+    if not len(points):
+        nowhere = np.full((count, 3), np.nan)
+        return Nearest(np.full(count, np.inf), nowhere, nowhere, nowhere, False)
+    start, end = arm.in_world(capsules.body, capsules.start), arm.in_world(capsules.body, capsules.end)
+    on_axis = closest_on_segments(points, start, end)
+    offset = points - on_axis
+    length = np.sqrt((offset * offset).sum(axis=2))
+    slots, nearest = np.arange(count), length.argmin(axis=1)
+    least = length[slots, nearest]
+    distance = least - capsules.reference_radius
+    there = (distance <= influence)[:, None]
+    direction = offset[slots, nearest] / np.maximum(least, NO_DIRECTION)[:, None]
+    return Nearest(
+        distance=np.where(there[:, 0], distance, np.inf),
+        obstacle=np.where(there, points[nearest], np.nan),
+        closest=np.where(there, on_axis[slots, nearest], np.nan),
+        direction=np.where(there, direction, np.nan),
+        inside=bool((there[:, 0] & (least < NO_DIRECTION)).any()),
+    )
 
 
 def approach_law(d: float, p: Parameters) -> float:
@@ -180,9 +205,7 @@ class Rows:
     approach_speed: Array
 
 
-def rows(
-    arm: Arm, capsules: Sequence[CapsuleModel], nearest: Nearest, schedule: str, active: bool, p: Parameters
-) -> Rows:
+def rows(arm: Arm, capsules: Capsules, nearest: Nearest, schedule: str, active: bool, p: Parameters) -> Rows:
     """The rows (4)(5) of all capsules, and the active row (6)(7).
 
     Args:
@@ -195,13 +218,13 @@ def rows(
     """
     law = approach_law if schedule == "paper" else damper_law
     begin = thresholds(schedule, p).on
-    count = len(capsules)
+    count = len(capsules.body)
     candidates = np.zeros((count, arm.n))
     A, b = np.zeros((count + active, arm.n)), np.full(count + active, OFF)
     speeds = np.full(count, np.inf)
     for slot in np.flatnonzero(np.isfinite(nearest.distance)).tolist():
         distance = float(nearest.distance[slot])
-        row = nearest.direction[slot] @ arm.point_jacobian(capsules[slot].body, nearest.closest[slot])
+        row = nearest.direction[slot] @ arm.point_jacobian(int(capsules.body[slot]), nearest.closest[slot])
         speeds[slot] = law(distance, p)
         candidates[slot] = row
         norm = float(np.linalg.norm(row))

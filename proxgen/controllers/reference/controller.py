@@ -40,6 +40,7 @@ class ReferenceController:
         self._max_points = config.skin.max_points
         self._arm = Arm(model)
         self._sensors = avoidance.SensorPoints(model)
+        self._capsules = avoidance.Capsules(model)
         self.reset()
 
     @property
@@ -87,7 +88,7 @@ class ReferenceController:
         self._arm.move_to(q)
         points = self._sensors.see(self._arm, measurement)
         influence = max(avoidance.thresholds(self._schedule, p).on, p.d_active)
-        nearest = avoidance.nearest_points(self._arm, self.model.capsules, points, influence)
+        nearest = avoidance.nearest_points(self._arm, self._capsules, points, influence)
         if nearest.inside:
             return self._safe_stop(Status.FAULT_OBSTACLE_INSIDE, q)
         return self._solve(q, xdot, nearest)
@@ -95,7 +96,7 @@ class ReferenceController:
     def _solve(self, q: Array, xdot: Array, nearest: avoidance.Nearest) -> Command:
         """Steps 4 to 7: rows, objective, bounds, decision."""
         p = self._parameters
-        rows = avoidance.rows(self._arm, self.model.capsules, nearest, self._schedule, self._active, p)
+        rows = avoidance.rows(self._arm, self._capsules, nearest, self._schedule, self._active, p)
         J = self._arm.task_jacobian()
         w = objective.manipulability(J)
         damping = objective.damping(w, p)

@@ -5,6 +5,7 @@ All Jacobians are Pinocchio's, in the world's directions (LOCAL_WORLD_ALIGNED), 
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from proxgen.controllers.protocol import Array
 from proxgen.model.kinematics import to_pin
@@ -30,19 +31,22 @@ class Arm:
         self._pin_model = model.pin_model
         self._data = model.pin_model.createData()
         self._transmission = model.transmission
+        self._offset = np.array([drive.offset for drive in model.drives])
         self.rotations = np.zeros((model.pin_model.njoints, 3, 3))
         self.origins = np.zeros((model.pin_model.njoints, 3))
 
     def move_to(self, q: Array) -> None:
         """Compute poses and joint Jacobians at q, (n,) [rad or m]."""
-        pin.computeJointJacobians(self._pin_model, self._data, to_pin(self._model, q))
+        one_entry_each = self._pin_model.nq == self._pin_model.nv
+        moved = self._transmission @ q + self._offset if one_entry_each else to_pin(self._model, q)
+        pin.computeJointJacobians(self._pin_model, self._data, moved)
         for body, placement in enumerate(self._data.oMi):
             self.rotations[body] = placement.rotation
             self.origins[body] = placement.translation
 
-    def in_world(self, body: int, point: Array) -> Array:
-        """A point (3,) of a body's frame in the world [m]."""
-        world: Array = self.rotations[body] @ point + self.origins[body]
+    def in_world(self, bodies: NDArray[np.intp], points: Array) -> Array:
+        """Points (K, 3), each given in the frame of its body (K,), in the world [m]."""
+        world: Array = (self.rotations[bodies] @ points[:, :, None])[:, :, 0] + self.origins[bodies]
         return world
 
     def body_jacobian(self, body: int) -> Array:
@@ -69,7 +73,8 @@ class Arm:
         `task_frame`, which turn with the tool.
         """
         model, body = self._model, self._model.tool_body
-        linear = self.point_jacobian(body, self.in_world(body, model.tool_in_body[:3, 3]))
+        tool = self.rotations[body] @ model.tool_in_body[:3, 3] + self.origins[body]
+        linear = self.point_jacobian(body, tool)
         angular = self.body_jacobian(body)[3:]
         if model.task_frame is not None:
             directions = self.rotations[body] @ model.tool_in_body[:3, :3] @ model.task_frame

@@ -165,39 +165,40 @@ def _solve_free(program: QuadraticProgram, tolerance: float) -> Verdict:
 def _attempt(posed: QuadraticProgram, judged: QuadraticProgram) -> tuple[Solution | None, int]:
     """Solve `posed` by quadprog and sharpen on `judged`, which differs in b only; and the iterations."""
     if posed.g.size == 0:
-        zero = np.zeros(0)
-        y = np.zeros(judged.b.size)
-        return Solution(zero, y, zero, kkt_residual(judged, zero, y, zero)), 0
-    C, d = _constraints(posed)
+        nothing, y = np.zeros(0), np.zeros(judged.b.size)
+        return Solution(nothing, y, nothing, kkt_residual(judged, nothing, y, nothing)), 0
+    identity = np.eye(posed.g.size)
+    C = np.concatenate((posed.A, identity, -identity))
     try:
-        x, _, _, iterations, multipliers, active = quadprog.solve_qp(posed.H, -posed.g, -C.T, -d, 0)
+        x, _, _, iterations, multipliers, active = quadprog.solve_qp(
+            posed.H, -posed.g, -C.T, -_right_hand_sides(posed), 0
+        )
     except ValueError:
         return None, 0
-    candidates = [_solution(judged, x, multipliers), _sharpened(judged, active - 1)]
-    usable = [candidate for candidate in candidates if candidate and np.isfinite(candidate.residual)]
-    return min(usable, key=lambda candidate: candidate.residual, default=None), int(iterations[0])
+    best = _sharpened(judged, C, active - 1)
+    if best is None or not best.residual <= GOOD:
+        raw = _solution(judged, x, multipliers)
+        best = raw if best is None or not best.residual <= raw.residual else best
+    return best, int(iterations[0])
 
 
-def _constraints(program: QuadraticProgram) -> tuple[Array, Array]:
-    """All constraints as C x ≤ d: rows, upper bounds, lower bounds; a bound that is off lies far away."""
-    identity = np.eye(program.g.size)
-    C = np.concatenate((program.A, identity, -identity))
-    d = np.concatenate((program.b, np.minimum(program.ub, OFF), np.minimum(-program.lb, OFF)))
-    return C, d
+def _right_hand_sides(program: QuadraticProgram) -> Array:
+    """D of all constraints C x ≤ d: rows, upper bounds, lower bounds; a bound that is off lies far away."""
+    return np.concatenate((program.b, np.minimum(program.ub, OFF), np.minimum(-program.lb, OFF)))
 
 
 def _solution(program: QuadraticProgram, x: Array, multipliers: Array) -> Solution:
-    """The multipliers of `_constraints` taken apart again, and the residual."""
+    """The multipliers of rows, upper and lower bounds taken apart again, and the residual."""
     rows, n = program.b.size, program.g.size
     y = multipliers[:rows]
     z = multipliers[rows : rows + n] - multipliers[rows + n :]
     return Solution(x, y, z, kkt_residual(program, x, y, z))
 
 
-def _sharpened(program: QuadraticProgram, active: NDArray[np.intp]) -> Solution | None:
+def _sharpened(program: QuadraticProgram, C: Array, active: NDArray[np.intp]) -> Solution | None:
     """Solve [[H, Cᵀ], [C, 0]] [x; y] = [-g; d] on the active set, with one step of iterative refinement."""
-    C, d = _constraints(program)
     n, k = program.g.size, active.size
+    d = _right_hand_sides(program)
     matrix = np.zeros((n + k, n + k))
     matrix[:n, :n] = program.H
     matrix[:n, n:] = C[active].T
