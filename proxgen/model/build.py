@@ -9,7 +9,7 @@ from proxgen.errors import ConfigError, Problem, unknown_name
 from proxgen.model.frames import axis_basis
 from proxgen.model.robot_model import Array, CapsuleModel, RobotModel
 from proxgen.model.skin import sensor_modules
-from proxgen.model.urdf import Urdf, drives, parse_urdf, reduce_to_chain, unknown_frame
+from proxgen.model.urdf import Urdf, drives, frame_named, parse_urdf, reduce_to_chain, unknown_frame
 
 UNLIMITED = 1e20
 """Stands for a limit that does not exist; the runtime's PG_OFF."""
@@ -40,7 +40,7 @@ def build_model(config: Config) -> RobotModel:
     if problems:
         raise ConfigError(problems)
     kind_rows = ROWS_OF_KIND[config.task.kind]
-    tool = reduced.frames[reduced.getFrameId(config.robot.tool)]
+    tool = frame_named(reduced, config.robot.tool)
     tool_in_body = np.array(tool.placement.homogeneous)
     tool_in_body[:3, 3] += tool_in_body[:3, :3] @ np.array(config.robot.tool_offset)
     return RobotModel(
@@ -68,7 +68,7 @@ def _frame_problems(config: Config, pin_model: Any) -> list[Problem]:
     return [
         config.problem(key, unknown_frame(pin_model, frame))
         for key, frame in named
-        if not pin_model.existFrame(frame)
+        if frame_named(pin_model, frame) is None
     ]
 
 
@@ -123,7 +123,7 @@ def _capsules(config: Config, pin_model: Any) -> tuple[CapsuleModel, ...]:
     """The capsules in the frames of the bodies that carry them."""
     capsules = []
     for capsule in config.capsules:
-        frame = pin_model.frames[pin_model.getFrameId(capsule.frame)]
+        frame = frame_named(pin_model, capsule.frame)
         rotation, translation = frame.placement.rotation, frame.placement.translation
         capsules.append(
             CapsuleModel(

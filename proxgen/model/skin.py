@@ -8,6 +8,7 @@ import numpy as np
 from proxgen.config.schema import Cuff, Ring, Skin
 from proxgen.model.frames import axis_basis
 from proxgen.model.robot_model import Array, SensorModule
+from proxgen.model.urdf import frame_named
 
 
 def _tilt(ring: Ring, index: int) -> float:
@@ -44,7 +45,7 @@ def sensor_modules(skin: Skin, pin_model: Any) -> tuple[SensorModule, ...]:
     """
     modules = []
     for cuff in skin.cuffs:
-        frame = pin_model.frames[pin_model.getFrameId(cuff.frame)]
+        frame = frame_named(pin_model, cuff.frame)
         rotation, translation = frame.placement.rotation, frame.placement.translation
         for ring_index, ring in enumerate(cuff.rings):
             for index, (position, normal) in enumerate(ring_places(cuff, ring)):

@@ -1,18 +1,23 @@
 """URDF file to a reduced Pinocchio model of the chain from base to tool."""
 
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from proxgen.config.schema import Config
-from proxgen.errors import Problem, nearest_name, unknown_name
+from proxgen.errors import ModelError, Problem, nearest_name, unknown_name
 from proxgen.model.robot_model import Array, Drive
 
 SNAP = 1e-11
 """Rotation entries smaller than this are rounding of the URDF's decimals, and are set to zero."""
+
+LINK = "/link"
+"""Ending of a link's frame in the Pinocchio model, where a joint has the same name."""
 
 
 @dataclass(frozen=True)
@@ -60,10 +65,22 @@ def parse_urdf(config: Config) -> Urdf | Problem:
     Returns:
         The parsed file, or the problem that keeps it from being read, in its own line of the YAML file.
     """
-    path = config.urdf_path
+    try:
+        return read_urdf(config.urdf_path)
+    except ModelError as error:
+        return config.problem("robot.urdf", str(error))
+
+
+def read_urdf(path: Path) -> Urdf:
+    """Read a URDF.
+
+    Raises:
+        ModelError: the file cannot be read as a URDF; the message names it.
+    """
     try:
         root = ElementTree.parse(path).getroot()
         full = pin.buildModelFromUrdf(str(path))
+        _tell_links_from_joints(full)
         mimics, limits = {}, {}
         for joint in root.findall("joint"):
             name = joint.get("name", "")
@@ -78,15 +95,15 @@ def parse_urdf(config: Config) -> Urdf | Problem:
                     mimic.get("joint", ""), 1.0 if multiplier is None else multiplier, offset or 0.0
                 )
     except ElementTree.ParseError as error:
-        return config.problem("robot.urdf", f"{path} is not well-formed XML: {error}")
+        raise ModelError(f"{path} is not well-formed XML: {error}") from error
     except (OSError, ValueError, RuntimeError) as error:
-        return config.problem("robot.urdf", f"{path} cannot be read as a URDF: {error}")
+        raise ModelError(f"{path} cannot be read as a URDF: {error}") from error
     return Urdf(full, mimics, limits)
 
 
 def chain_joints(urdf: Urdf, tool: str) -> list[str]:
     """Names of the moving joints from base to the tool frame, base first, mimic joints included."""
-    frame = urdf.full.frames[urdf.full.getFrameId(tool)]
+    frame = frame_named(urdf.full, tool)
     return [urdf.full.names[index] for index in urdf.full.supports[frame.parentJoint] if index > 0]
 
 
@@ -112,17 +129,28 @@ def reduce_to_chain(config: Config, urdf: Urdf) -> tuple[Any, list[str]] | list[
     problems = [problem for name in chain if (problem := _joint_problem(config, urdf, chain, name))]
     if problems:
         return problems
-    locked = [urdf.full.getJointId(name) for name in list(urdf.full.names)[1:] if name not in chain]
-    reduced = pin.buildReducedModel(urdf.full, locked, _locked_configuration(config, urdf))
+    return reduced_model(urdf, chain, config.robot.locked_joints), controlled
+
+
+def reduced_model(urdf: Urdf, chain: Sequence[str], locked: Mapping[str, float]) -> Any:
+    """Snapped Pinocchio model in which only the joints of the chain move.
+
+    Args:
+        urdf: the whole robot.
+        chain: names of the joints that move, mimic joints included.
+        locked: positions of some of the others; the rest is held as `locked_position` says.
+    """
+    fixed = [urdf.full.getJointId(name) for name in list(urdf.full.names)[1:] if name not in chain]
+    reduced = pin.buildReducedModel(urdf.full, fixed, _locked_configuration(urdf, locked))
     _snap(reduced)
-    return reduced, controlled
+    return reduced
 
 
 def _name_problems(config: Config, urdf: Urdf) -> list[Problem]:
     """Tool frame and locked joints that the URDF does not have."""
     joints = list(urdf.full.names)[1:]
     problems = []
-    if not urdf.full.existFrame(config.robot.tool):
+    if frame_named(urdf.full, config.robot.tool) is None:
         problems.append(config.problem("robot.tool", unknown_frame(urdf.full, config.robot.tool)))
     for name in config.robot.locked_joints:
         if name not in joints:
@@ -132,9 +160,26 @@ def _name_problems(config: Config, urdf: Urdf) -> list[Problem]:
     return problems
 
 
+def _tell_links_from_joints(model: Any) -> None:
+    """Rename links that share their name with a joint: Pinocchio cannot look up a name that occurs twice."""
+    joints = {frame.name for frame in model.frames if frame.type != pin.BODY}
+    for index in range(model.nframes):
+        frame = model.frames[index]
+        if frame.type == pin.BODY and frame.name in joints:
+            frame.name += LINK
+
+
+def frame_named(model: Any, name: str) -> Any:
+    """The frame of a link or, where no link has that name, of a joint; None if there is none."""
+    for candidate in (name + LINK, name):
+        if model.existFrame(candidate):
+            return model.frames[model.getFrameId(candidate)]
+    return None
+
+
 def unknown_frame(model: Any, name: str) -> str:
     """The sentence for a frame that the URDF lacks. Long lists are cut to the nearest name and a count."""
-    frames = [frame.name for frame in model.frames]
+    frames = [frame.name.removesuffix(LINK) for frame in model.frames]
     nearest = nearest_name(name, frames)
     if len(frames) <= 24:
         return unknown_name("frame", name, frames)
@@ -158,16 +203,36 @@ def _joint_problem(config: Config, urdf: Urdf, chain: list[str], name: str) -> P
     return None
 
 
-def _locked_configuration(config: Config, urdf: Urdf) -> Array:
-    """Positions at which joints are locked: as configured, else the nearest to zero within their limits."""
+def locked_position(urdf: Urdf, name: str, locked: Mapping[str, float] | None = None) -> float:
+    """Where a joint is locked.
+
+    Args:
+        urdf: the whole robot.
+        name: a joint with one degree of freedom.
+        locked: positions that were asked for, by joint.
+
+    Returns:
+        As asked for; else where its mimic rule puts it; else nearest to zero within its limits [rad or m].
+    """
+    locked, ratio, offset, passed = locked or {}, 1.0, 0.0, {name}
+    while name not in locked and name in urdf.mimics and urdf.mimics[name].joint not in passed:
+        mimic = urdf.mimics[name]
+        ratio, offset, name = ratio * mimic.multiplier, offset + ratio * mimic.offset, mimic.joint
+        passed.add(name)
+    limits = urdf.limits.get(name, UrdfLimits(None, None, None))
+    lower = limits.lower or 0.0
+    nearest = float(np.clip(0.0, lower, max(limits.upper or 0.0, lower)))
+    return ratio * locked.get(name, nearest) + offset
+
+
+def _locked_configuration(urdf: Urdf, locked: Mapping[str, float]) -> Array:
+    """Configuration of the whole robot with its locked joints in place; planar and floating ones at zero."""
     configuration: Array = pin.neutral(urdf.full)
     for index in range(1, urdf.full.njoints):
         joint, name = urdf.full.joints[index], urdf.full.names[index]
         if joint.nv != 1:
             continue
-        limits = urdf.limits[name]
-        position = float(np.clip(0.0, limits.lower or 0.0, max(limits.upper or 0.0, limits.lower or 0.0)))
-        position = config.robot.locked_joints.get(name, position)
+        position = locked_position(urdf, name, locked)
         if joint.nq == 2:
             configuration[joint.idx_q : joint.idx_q + 2] = np.cos(position), np.sin(position)
         else:

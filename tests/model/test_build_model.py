@@ -76,6 +76,9 @@ def test_gripper_is_locked_within_its_limits(tmp_path: Path) -> None:
     frame = model.pin_model.frames[model.pin_model.getFrameId("left")]
     # locked at 0.01, the end of its range that is nearest to zero
     np.testing.assert_allclose(frame.placement.translation, [0.0, 0.01, 0.0], atol=1e-12)
+    # and the other finger, which mimics it, opposite to it
+    frame = model.pin_model.frames[model.pin_model.getFrameId("right")]
+    np.testing.assert_allclose(frame.placement.translation, [0.0, -0.01, 0.0], atol=1e-12)
 
 
 def test_poses_of_a_prismatic_joint_move_along_its_axis(tmp_path: Path) -> None:
@@ -166,3 +169,15 @@ def test_floating_joint_in_the_chain_is_refused(tmp_path: Path) -> None:
     urdf.write_text(urdf.read_text().replace('type="revolute"', 'type="floating"', 1))
     with pytest.raises(ConfigError, match="revolute, continuous, prismatic"):
         build_model(load(path))
+
+
+def test_link_wins_where_a_joint_has_the_same_name(tmp_path: Path) -> None:
+    """Pinocchio refuses to look such a frame up by its name alone."""
+    path = write_arm(RECIPES[0], tmp_path)
+    urdf = tmp_path / f"{RECIPES[0].name}.urdf"
+    expected = build_model(load(path))
+    urdf.write_text(urdf.read_text().replace('"tool_joint"', '"tool"').replace('"joint_0"', '"link_1"'))
+    model = build_model(load(path))
+    np.testing.assert_array_equal(model.tool_in_body, expected.tool_in_body)
+    np.testing.assert_array_equal(model.modules[0].position, expected.modules[0].position)
+    assert model.joint_names[0] == "link_1"
