@@ -148,7 +148,7 @@ class Scene(Section):
             positions, problems = self.start if self.start is not None else (0.0,) * len(joints), []
             if len(positions) != len(joints):
                 message = f"{len(positions)} joint positions for an arm with {len(joints)} joints"
-                problems = [self.problem("start", f"{message} ({', '.join(joints)})")]
+                raise ConfigError([self.problem("start", f"{message} ({', '.join(joints)})")])
         for name, position, low, high in zip(joints, positions, lower, upper, strict=False):
             if not low <= position <= high:
                 message = f"joint '{name}' would start at {position:.6g}, outside its limits"
