@@ -21,7 +21,8 @@ ROBOT = (Path(__file__).parent / "data" / "robot.yaml").read_text()
 LINES = ROBOT.splitlines()
 PIECES = [
     "{", "}", "[", "]", ": ", "- ", "\n", "\t", " ", "'", '"', "#", "&a ", "*a", "!x ", "!!int ", "---",
-    "...", "null", "true", "1e999", ".nan", "-1", "25 deg", "0x", "<<: ", "? ", "|", ">", "%", "@", "ß", "\x00", ",",
+    "...", "null", "true", "1e999", ".nan", "-1", "25 deg", "0x", "<<: ", "? ", "|", ">", "%", "@", "ß",
+    "\x00", ",",
 ]  # fmt: skip
 SCALARS = st.one_of(
     st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.sampled_from(PIECES)
@@ -55,11 +56,11 @@ def test_any_text(text: str) -> None:
     assert config is not None or problems
 
 
-@given(
-    st.lists(st.tuples(st.integers(0, len(ROBOT)), st.integers(0, 12), st.sampled_from(PIECES)), max_size=4)
-)
-@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_a_file_with_damaged_places(tmp_path_factory: Any, damages: list[tuple[int, int, str]]) -> None:
+@given(st.lists(DAMAGES, max_size=4))
+@settings(max_examples=200)
+def test_a_file_with_damaged_places(
+    tmp_path_factory: pytest.TempPathFactory, damages: list[tuple[int, int, str]]
+) -> None:
     text = ROBOT
     for place, length, piece in damages:
         text = text[:place] + piece + text[place + length :]
