@@ -7,7 +7,7 @@ from matplotlib.patches import Patch
 
 from proxgen.controllers.protocol import Status
 from proxgen.report import style
-from proxgen.report.derive import least_distance, status_spans
+from proxgen.report.derive import least_distance, status_spans, time_span
 from proxgen.simulation.log import RolloutLog
 
 TITLE = "Course of the run"
@@ -50,7 +50,7 @@ def draw_sawtooth(axes: Axes, log: RolloutLog, tolerance: float | None = None) -
     if tolerance is not None:
         axes.axhline(tolerance, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
     axes.set_ylim(bottom=0.0)
-    axes.set_xlim(log.time[0], log.time[-1])
+    axes.set_xlim(time_span(log))
     axes.set_ylabel("distance [m]")
     axes.set_title("Distance to the target")
     style.legend_above(axes)
@@ -85,14 +85,15 @@ def draw_least_distance(axes: Axes, log: RolloutLog, labels: bool = True) -> Non
     draw_zones(axes, log, labels)
     axes.plot(log.time, np.minimum(least, 2.0 * farthest(log)), color=style.INK)
     axes.grid(visible=False)
-    axes.set_xlim(log.time[0], log.time[-1])
+    axes.set_xlim(time_span(log))
     axes.set_ylabel("distance [m]")
     axes.set_title(f"Nearest link to nearest obstacle (true, to the link's {log.meta['distance_reference']})")
 
 
 def draw_status(axes: Axes, log: RolloutLog) -> None:
     """A strip in the colours of the statuses; what is rare and short stays visible."""
-    shortest = (log.time[-1] - log.time[0]) / 700.0
+    begin, end = time_span(log)
+    shortest = (end - begin) / 700.0
     for status, spans in status_spans(log).items():
         wide = (
             spans if status is Status.SOLVED else [(begin, max(length, shortest)) for begin, length in spans]

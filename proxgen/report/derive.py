@@ -28,6 +28,11 @@ def label(log: RolloutLog) -> str:
     return f"{meta['scene']}, {meta['controller']}{backend}, {meta['sensing']} sensing"
 
 
+def time_span(log: RolloutLog) -> tuple[float, float]:
+    """Begin of the first and end of the last cycle [s]."""
+    return float(log.time[0]), float(log.time[-1]) + float(log.meta["period"])
+
+
 def microseconds(value: float) -> str:
     """A time with three digits, never with an exponent."""
     digits = max(2 - math.floor(math.log10(value)), 0) if value > 0.0 else 0
@@ -74,7 +79,7 @@ def joint_units(log: RolloutLog, model: RobotModel | None) -> list[str]:
 def status_spans(log: RolloutLog) -> dict[Status, list[tuple[float, float]]]:
     """Per status that occurs, by severity: stretches of time as (begin, length) [s]."""
     edges = np.concatenate([[0], np.flatnonzero(np.diff(log.status)) + 1, [log.cycles]])
-    times = np.append(log.time, log.time[-1] + log.meta["period"])
+    times = np.append(log.time, time_span(log)[1])
     spans: dict[Status, list[tuple[float, float]]] = {}
     for first, after in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
         begin, end = float(times[first]), float(times[after])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from proxgen.model.robot_model import RobotModel
 from proxgen.report import style
-from proxgen.report.derive import joint_units
+from proxgen.report.derive import joint_units, time_span
 from proxgen.simulation.log import RolloutLog
 
 Array = NDArray[np.float64]
@@ -28,6 +28,7 @@ def joints_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
         position, velocity = panels[index]
         _draw(position, log.time, log.q[:, index], float(lower[index]), float(upper[index]), style.BLUE)
         _draw(velocity, log.time, log.qdot[:, index], -float(speed[index]), float(speed[index]), style.GREEN)
+        position.set_xlim(time_span(log))
         position.set_ylabel(f"{name}\n[{unit}]")
         velocity.set_ylabel(f"[{unit}/s]")
     panels[0, 0].set_title("Position, limits dashed")
@@ -41,7 +42,6 @@ def joints_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
 def _draw(axes: Axes, time: Array, values: Array, lower: float, upper: float, colour: str) -> None:
     """One quantity over time, scaled to its limits if it has any."""
     axes.plot(time, values, color=colour)
-    axes.set_xlim(time[0], time[-1])
     if lower < -_UNLIMITED or upper > _UNLIMITED:
         return
     margin = 0.12 * (upper - lower)

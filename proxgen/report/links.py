@@ -6,6 +6,7 @@ from matplotlib.lines import Line2D
 
 from proxgen.report import style
 from proxgen.report.course import draw_zones, farthest
+from proxgen.report.derive import time_span
 from proxgen.simulation.log import RolloutLog
 
 TITLE = "Distance of every link"
@@ -33,7 +34,7 @@ def links_figure(log: RolloutLog) -> Figure:
         axes.grid(visible=False)
         axes.set_title(name)
         axes.set_ylabel("distance [m]")
-        axes.set_xlim(log.time[0], log.time[-1])
+        axes.set_xlim(time_span(log))
     style.legend_above(
         panels[0],
         [

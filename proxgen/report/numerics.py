@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from proxgen.report import style
-from proxgen.report.derive import label, microseconds
+from proxgen.report.derive import label, microseconds, time_span
 from proxgen.simulation.log import RolloutLog
 
 _LEAST = 1e-18
@@ -44,7 +44,7 @@ def numerics_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
         axes.semilogy(log.time, np.maximum(values, _LEAST), color=colour)
         axes.set_title(title)
         axes.set_ylabel(name)
-        axes.set_xlim(log.time[0], log.time[-1])
+        axes.set_xlim(time_span(log))
     if tolerance is not None:
         panels[2].axhline(tolerance, color=style.VERMILLION, linewidth=0.9, linestyle=(0, (4, 3)))
         panels[2].annotate(

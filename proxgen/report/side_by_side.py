@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 
 from proxgen.report import style
 from proxgen.report.course import draw_least_distance, draw_sawtooth, draw_status, status_legend
+from proxgen.report.derive import time_span
 from proxgen.report.path import FRONT, bounds, draw_view
 from proxgen.simulation.log import RolloutLog
 
@@ -36,7 +37,7 @@ def side_by_side_figure(logs: Sequence[RolloutLog]) -> Figure:
         draw_sawtooth(sawtooth, log)
         sawtooth.set_title("To the target")
         draw_status(strip, log)
-        strip.set_xlim(log.time[0], log.time[-1])
+        strip.set_xlim(time_span(log))
         strip.set_xlabel("time [s]")
         for axes in panels[1:3, column]:
             axes.tick_params(labelbottom=False)

@@ -8,9 +8,10 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 import proxgen
+from proxgen.compare import Comparison
 from proxgen.config.schema import Config
 from proxgen.model.robot_model import RobotModel
-from proxgen.report import course, film, joints, links, numerics, path, side_by_side
+from proxgen.report import agreement, course, film, joints, links, numerics, path, side_by_side
 from proxgen.report.derive import label
 from proxgen.report.page import Gallery, Page, Section, write_page
 from proxgen.report.tables import cards, summary_table
@@ -20,7 +21,7 @@ from proxgen.simulation.log import RolloutLog
 def write_report(
     directory: Path,
     logs: Sequence[RolloutLog],
-    comparison: None = None,
+    comparison: Comparison | None = None,
     config: Config | None = None,
     title: str | None = None,
 ) -> Path:
@@ -38,7 +39,7 @@ def write_report(
     """
     gallery = Gallery(directory)
     model = _model(config)
-    sections = []
+    sections = [] if comparison is None else [_agreement(gallery, comparison)]
     if len(logs) > 1:
         sections.append(_side_by_side(gallery, logs))
     sections += [_run(gallery, index, log, config, model) for index, log in enumerate(logs)]
@@ -52,7 +53,7 @@ def write_report(
         "Cycle times were measured on this machine, with the simulation running beside the controller.",
         sections,
         cards(logs),
-        None,
+        None if comparison is None else agreement.verdict(comparison),
     )
     return write_page(directory / "index.html", page)
 
@@ -89,6 +90,20 @@ def _run(
         gallery.add(f"{name}_{suffix}", heading, caption, draw) for suffix, heading, caption, draw in drawings
     ]
     return Section(name, f"Run: {label(log)}", figures=figures)
+
+
+def _agreement(gallery: Gallery, comparison: Comparison) -> Section:
+    """The verdict's reasons."""
+    figure = gallery.add(
+        "agreement", agreement.TITLE, agreement.CAPTION, partial(agreement.agreement_figure, comparison)
+    )
+    return Section(
+        "agreement", "Agreement with the reference",
+        "Both controllers get the same states and readings in every cycle of a closed loop that the compiled "
+        "one drives; the reference is written independently, in NumPy with another solver.",
+        agreement.agreement_table(comparison), [scene.scene for scene in comparison.scenes], "Scene",
+        comparison.failures[:20], [figure],
+    )  # fmt: skip
 
 
 def _side_by_side(gallery: Gallery, logs: Sequence[RolloutLog]) -> Section:
