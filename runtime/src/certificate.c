@@ -53,20 +53,3 @@ double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution) {
     add(&residual, x[j] - between(x[j] - gradient[j], qp->lb[j], qp->ub[j]));
   return residual.sum - residual.sum == 0.0 ? residual.greatest : INFINITY;
 }
-
-/* For all x within the bounds, y'(Ax - ubA) >= gap. If gap > 0, no x can make all of Ax - ubA negative, and
- * some row is exceeded by at least gap / sum(y): the lemma of Farkas, with the box's part worked out. */
-int pg_proves_infeasible(const pg_qp_t *qp, const double y[PG_ROWS]) {
-  double combined[PG_N] = {0.0}, gap = 0.0, total = 0.0;
-  for (int i = 0; i < PG_ROWS; i++) {
-    if (y[i] == 0.0) continue;
-    if (!(y[i] > 0.0) || qp->ubA[i] >= PG_OFF) return 0;
-    for (int j = 0; j < PG_N; j++)
-      combined[j] += y[i] * qp->A[i * PG_N + j];
-    gap -= y[i] * qp->ubA[i];
-    total += y[i];
-  }
-  for (int j = 0; j < PG_N; j++)
-    gap += combined[j] * (combined[j] > 0.0 ? qp->lb[j] : qp->ub[j]);
-  return gap > PG_TOLERANCE * total;
-}

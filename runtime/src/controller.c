@@ -12,7 +12,6 @@ _Static_assert(_Alignof(pg_controller_t) <= ALIGNMENT, "the controller needs a s
 /* Forgets everything that a cycle leaves to the next one. */
 static void forget(pg_controller_t *controller) {
   memset(controller->qdot_previous, 0, sizeof controller->qdot_previous);
-  memset(controller->contradiction, 0, sizeof controller->contradiction);
   controller->has_time = 0;
   controller->time_previous = 0.0;
   pg_solver_reset(controller->solver);

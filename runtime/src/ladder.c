@@ -8,6 +8,14 @@
 #include <math.h>
 #include <string.h>
 
+/* Rounds of the search for a contradiction: before a solve, where nine in ten are found and feasible cycles
+ * hardly notice, and after a solver has claimed one. */
+#define SHORT_SEARCH 2
+#define LONG_SEARCH  64
+
+/* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact to 1e-8. */
+#define EXACT (1e-4 * PG_TOLERANCE)
+
 /* Makes stage `stage` out of the one before it; returns 0 if the QP stays as it was. */
 static int relax(const pg_controller_t *controller, pg_status_t stage, double ubA[PG_ROWS]) {
   const pg_parameters_t *p = &controller->parameters;
@@ -34,42 +42,49 @@ static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
     x[j] = x[j] < qp->lb[j] ? qp->lb[j] : x[j] > qp->ub[j] ? qp->ub[j] : x[j];
 }
 
-/* One solve; says PG_OPTIMAL only with a certificate, and sets `proven` if PG_INFEASIBLE came with a proof.
- */
-static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start, int *proven) {
-  pg_diagnostics_t *cycle = &controller->cycle;
+/* One solve; says PG_OPTIMAL only with a certificate, and leaves the residual. */
+static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start,
+                            double *residual) {
   pg_solution_t *solution = &controller->solution;
   pg_outcome_t outcome = pg_solver_solve(controller->solver, qp, start, solution);
-#ifdef PG_TEST_HOOK
+#ifdef PG_FAULT_INJECTION
   pg_test_hook(start, &outcome, solution);
 #endif
-  cycle->solves++;
-  cycle->iterations += solution->iterations;
+  controller->cycle.solves++;
+  controller->cycle.iterations += solution->iterations;
+  if (outcome != PG_OPTIMAL) return outcome;
+  keep_within_bounds(qp, solution->x);
+  *residual = pg_kkt_residual(qp, solution);
+  if (*residual <= PG_TOLERANCE) return PG_OPTIMAL;
+  controller->counters.certificate_failures++;
+  return PG_UNSOLVED;
+}
 
-  *proven = 0;
-  if (outcome == PG_OPTIMAL) {
-    keep_within_bounds(qp, solution->x);
-    const double residual = pg_kkt_residual(qp, solution);
-    if (!(residual <= PG_TOLERANCE)) {
-      controller->counters.certificate_failures++;
-      return PG_UNSOLVED;
-    }
-    cycle->kkt_residual = residual;
-  } else if (outcome == PG_INFEASIBLE && pg_proves_infeasible(qp, solution->y)) {
-    memcpy(controller->contradiction, solution->y, sizeof controller->contradiction);
-    *proven = 1;
+/* The second chance: a solve from nothing, against what the first one left. */
+static pg_outcome_t attempt_again(pg_controller_t *controller, const pg_qp_t *qp, pg_outcome_t first,
+                                  double *residual) {
+  const pg_solution_t kept = controller->solution;
+  double residual_again;
+  controller->cycle.second_chances++;
+  const pg_outcome_t outcome = attempt(controller, qp, PG_COLD, &residual_again);
+  if (first == PG_OPTIMAL && (outcome != PG_OPTIMAL || residual_again > *residual)) {
+    controller->solution = kept;
+    return PG_OPTIMAL;
   }
+  *residual = residual_again;
   return outcome;
 }
 
-/* Solves one stage; a first answer that proves nothing gets a second chance from nothing. */
+/* Solves one stage. A first answer that is neither exact nor a proof gets a second chance. */
 static pg_outcome_t solve(pg_controller_t *controller, const pg_qp_t *qp) {
-  int proven;
-  pg_outcome_t outcome = attempt(controller, qp, PG_HOT, &proven);
-  if (outcome == PG_UNSOLVED || (outcome == PG_INFEASIBLE && !proven)) {
-    controller->cycle.second_chances++;
-    outcome = attempt(controller, qp, PG_COLD, &proven);
-  }
+  if (!PG_RELAXATION_SLACK && pg_find_contradiction(qp, SHORT_SEARCH)) return PG_INFEASIBLE;
+  double residual = INFINITY;
+  pg_outcome_t outcome = attempt(controller, qp, PG_HOT, &residual);
+  const int exact = outcome == PG_OPTIMAL && residual <= EXACT;
+  const int proven = outcome == PG_INFEASIBLE && (pg_proves_infeasible(qp, controller->solution.y) ||
+                                                  pg_find_contradiction(qp, LONG_SEARCH));
+  if (!exact && !proven) outcome = attempt_again(controller, qp, outcome, &residual);
+  if (outcome == PG_OPTIMAL) controller->cycle.kkt_residual = residual;
   return outcome;
 }
 
@@ -113,9 +128,7 @@ pg_status_t pg_solve_by_stages(pg_controller_t *controller) {
   pg_outcome_t outcome = PG_UNSOLVED;
   for (int stage = PG_SOLVED; stage <= PG_REDUCED_CRITICAL; stage++) {
     if (stage != PG_SOLVED && !relax(controller, (pg_status_t)stage, controller->ubA)) continue;
-    /* What contradicted itself in the last stage, or the last cycle, often still does: no need to solve. */
-    const int known = pg_proves_infeasible(&qp, controller->contradiction);
-    outcome = known ? PG_INFEASIBLE : solve(controller, &qp);
+    outcome = solve(controller, &qp);
     if (outcome == PG_OPTIMAL) return (pg_status_t)stage;
   }
   /* The last stage asks least: if it is infeasible, all are. */

@@ -63,7 +63,7 @@ void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp);
 pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
                              pg_solution_t *solution);
 
-#ifdef PG_TEST_HOOK
+#ifdef PG_FAULT_INJECTION
 /* In tests only: called after each solve, and may falsify the answer. */
 void pg_test_hook(pg_start_t start, pg_outcome_t *outcome, pg_solution_t *solution);
 #endif

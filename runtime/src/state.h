@@ -23,7 +23,6 @@ struct PG_NAME(controller) {
   double qdot_previous[PG_N];
   double time_previous;
   int has_time;
-  double contradiction[PG_ROWS]; /* weights of rows that last proved a QP infeasible */
 
   double ubA[PG_ROWS];      /* right-hand sides of the stage that is being solved */
   double softness[PG_ROWS]; /* 1/rho of soft rows, 0 in staged mode */
@@ -61,8 +60,11 @@ pg_status_t pg_solve_by_stages(pg_controller_t *controller);
 /* Greatest violation of the optimality conditions (KKT) by a solution; infinity if it is not finite. */
 double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution);
 
-/* 1 if the rows, weighed with y, contradict each other within the bounds by more than the tolerance. */
+/* 1 if the rows, weighed with y >= 0, contradict each other within the bounds by more than the tolerance. */
 int pg_proves_infeasible(const pg_qp_t *qp, const double y[PG_ROWS]);
+
+/* 1 if weights that prove it were found within `sweeps` rounds over the joints; 0 says nothing. */
+int pg_find_contradiction(const pg_qp_t *qp, int sweeps);
 
 /* 1 if every parameter is in its range and in order with the others. */
 int pg_parameters_allowed(const pg_parameters_t *parameters);
