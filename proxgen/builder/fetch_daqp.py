@@ -1,0 +1,83 @@
+"""Fetches the C sources of DAQP, once: `python -m proxgen.builder.fetch_daqp`.
+
+proxgen carries no copy of them. pip gets the source distribution from wherever it gets packages; what it
+brings is checked against the digest that this version of proxgen was tested with.
+"""
+
+import hashlib
+import shutil
+import sys
+import tarfile
+import tempfile
+from pathlib import Path
+
+from proxgen.builder.solvers import DAQP_SHA256, DAQP_VERSION, daqp_directory
+from proxgen.builder.toolchain import run
+from proxgen.errors import BuildError, ProxgenError
+
+
+def fetch(directory: Path | None = None) -> bool:
+    """Put DAQP's `csrc/` and LICENSE into a folder, whole or not at all.
+
+    Args:
+        directory: where to; `daqp_directory()` if None.
+
+    Returns:
+        False if they are there already.
+
+    Raises:
+        BuildError: pip cannot get them, or they are not what they should be.
+    """
+    directory = directory or daqp_directory()
+    if (directory / "csrc" / "include" / "daqp.h").is_file():
+        return False
+    directory.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=directory.parent, prefix=".daqp-") as folder:
+        archive = _download(Path(folder))
+        unpacked = Path(folder) / "unpacked"
+        _unpack(archive, unpacked)
+        try:
+            unpacked.replace(directory)
+        except OSError as error:
+            if not (directory / "csrc" / "include" / "daqp.h").is_file():  # else another process was faster
+                raise BuildError(f"cannot write {directory}: {error.strerror or error}") from error
+    return True
+
+
+def _download(folder: Path) -> Path:
+    """Let pip download the source distribution, and check its digest."""
+    requirement = f"daqp=={DAQP_VERSION}"
+    options = ["--no-deps", "--no-binary", "daqp", "--disable-pip-version-check", "--quiet"]
+    command = [sys.executable, "-m", "pip", "download", *options, "--dest", str(folder), requirement]
+    run(command, f"pip could not download the sources of {requirement}")
+    archive = folder / f"daqp-{DAQP_VERSION}.tar.gz"
+    if not archive.is_file():
+        raise BuildError(f"pip did not bring {archive.name}", command)
+    found = hashlib.sha256(archive.read_bytes()).hexdigest()
+    if found != DAQP_SHA256:
+        raise BuildError(f"{archive.name} is not the one that is known: sha256 {found}, not {DAQP_SHA256}")
+    return archive
+
+
+def _unpack(archive: Path, target: Path) -> None:
+    """Unpack `csrc/` and LICENSE of the archive."""
+    top = f"daqp-{DAQP_VERSION}"
+    with tarfile.open(archive) as tar:
+        members = [m for m in tar if m.name == f"{top}/LICENSE" or m.name.startswith(f"{top}/csrc/")]
+        tar.extractall(target.parent / "tar", members, filter="data")
+    shutil.move(target.parent / "tar" / top, target)
+
+
+def main() -> int:
+    """Fetch, and say where it is."""
+    try:
+        fetched = fetch()
+    except ProxgenError as error:
+        sys.stderr.write(f"proxgen: {error}\n")
+        return error.exit_status
+    sys.stdout.write(f"DAQP {DAQP_VERSION}: {'fetched to' if fetched else 'is in'} {daqp_directory()}\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
