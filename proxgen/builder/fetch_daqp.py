@@ -68,16 +68,8 @@ def _unpack(archive: Path, target: Path) -> None:
     shutil.move(target.parent / "tar" / top, target)
 
 
-def main() -> int:
-    """Fetch, and say where it is."""
-    try:
-        fetched = fetch()
-    except ProxgenError as error:
-        sys.stderr.write(f"proxgen: {error}\n")
-        return error.exit_status
-    sys.stdout.write(f"DAQP {DAQP_VERSION}: {'fetched to' if fetched else 'is in'} {daqp_directory()}\n")
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    try:
+        fetch()
+    except ProxgenError as problem:
+        raise SystemExit(f"proxgen: {problem}") from problem

@@ -107,7 +107,7 @@ def kkt_residual(program: QuadraticProgram, x: Array, y: Array, z: Array) -> flo
         np.abs(np.maximum(z, 0.0) * above),
         np.abs(np.minimum(z, 0.0) * below),
     )
-    return float(max(0.0, np.max(np.concatenate(violations))))
+    return float(np.maximum(np.concatenate(violations).max(), 0.0))  # keeps nan, unlike max()
 
 
 def solve(program: QuadraticProgram, tolerance: float) -> Verdict:

@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from proxgen.controllers.library import Library, load_library
+from proxgen.controllers.compiled.library import Library, load_library
+from proxgen.controllers.compiled.settable import check_orders, checked
 from proxgen.controllers.protocol import Array, Command, Diagnostics, Measurement, Status
-from proxgen.controllers.settable import check_orders, checked
 from proxgen.errors import ControllerError
 
 _STATUS = {status.value: status for status in Status}
