@@ -196,7 +196,7 @@ def _outside(qdot: Array, lb: Array, ub: Array) -> float:
     """How far a velocity is outside its bounds; inf if it is not finite."""
     if not np.isfinite(qdot).all():
         return np.inf
-    return float(max(0.0, np.max(lb - qdot), np.max(qdot - ub)))
+    return float(np.maximum(np.maximum(lb - qdot, qdot - ub).max(), 0.0))
 
 
 def _value_sentence(
