@@ -66,7 +66,7 @@ static pg_outcome_t attempt_again(pg_controller_t *controller, const pg_qp_t *qp
   const pg_solution_t kept = controller->solution;
   double residual_again;
   controller->cycle.second_chances++;
-  const pg_outcome_t outcome = attempt(controller, qp, PG_COLD, &residual_again);
+  const pg_outcome_t outcome = attempt(controller, qp, PG_AGAIN, &residual_again);
   if (first == PG_OPTIMAL && (outcome != PG_OPTIMAL || residual_again > *residual)) {
     controller->solution = kept;
     return PG_OPTIMAL;
@@ -79,7 +79,7 @@ static pg_outcome_t attempt_again(pg_controller_t *controller, const pg_qp_t *qp
 static pg_outcome_t solve(pg_controller_t *controller, const pg_qp_t *qp) {
   if (!PG_RELAXATION_SLACK && pg_find_contradiction(qp, SHORT_SEARCH)) return PG_INFEASIBLE;
   double residual = INFINITY;
-  pg_outcome_t outcome = attempt(controller, qp, PG_HOT, &residual);
+  pg_outcome_t outcome = attempt(controller, qp, PG_FIRST, &residual);
   const int exact = outcome == PG_OPTIMAL && residual <= EXACT;
   const int proven = outcome == PG_INFEASIBLE && (pg_proves_infeasible(qp, controller->solution.y) ||
                                                   pg_find_contradiction(qp, LONG_SEARCH));

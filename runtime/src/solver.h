@@ -34,8 +34,8 @@ typedef enum {
 } pg_outcome_t;
 
 typedef enum {
-  PG_HOT, /* from the working set of the last solution */
-  PG_COLD /* from nothing */
+  PG_FIRST, /* the way that is fastest from cycle to cycle */
+  PG_AGAIN  /* another way, after a first answer that did not pass */
 } pg_start_t;
 
 typedef struct {
@@ -52,7 +52,7 @@ extern const char *const pg_solver_name;
 pg_status_t pg_solver_create(void *memory, pg_solver_t **solver);
 void pg_solver_destroy(pg_solver_t *solver);
 
-/* Forgets the last working set. */
+/* Forgets everything about earlier QPs. */
 void pg_solver_reset(pg_solver_t *solver);
 
 /* Takes over the QP of a new cycle: everything but ubA, which may have rows switched off or raised from solve

@@ -21,13 +21,18 @@ enum {
 /* Bounds and rows may be exceeded by this much; q_dot is to be exact to 1e-8. */
 #define PRIMAL_TOLERANCE 1e-9
 
+/* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-9. */
+#define LEAST_PIVOT 1e-15
+
 /* Bounds that are closer to each other are one value. */
 #define EQUAL_BOUNDS 1e-11
 
 struct pg_solver {
   DAQPWorkspace work;
   DAQPSettings settings;
-  int usable; /* H could be factorised */
+  int usable;  /* H could be factorised */
+  int is_free; /* no constraint holds the minimum of the objective back: it is the solution */
+  double x_free[N];
 
   double Rinv[N * (N + 1) / 2]; /* R^-1, packed by rows, each scaled to unit length */
   double v[N];
@@ -37,7 +42,7 @@ struct pg_solver {
   double dupper[SIDES], dlower[SIDES];
   double softness[SIDES]; /* of the rows, if they are soft */
   int sense[SIDES];
-  int last[SIDES]; /* working set of the last solution, as flags of `sense` */
+  int last[SIDES]; /* working set that the last solve ended with, as flags of `sense` */
 
   /* DAQP's own working space, one more than the greatest working set. */
   double u[N], xold[N];
@@ -54,31 +59,61 @@ static double *packed_row(double *packed, int i) {
   return packed + (2 * N - i - 1) * i / 2;
 }
 
-/* H = R'R and its inverse factor, both upper triangular; 0 if H is not safely positive definite. */
-static int factorise(const double *H, double Rinv[N][N]) {
-  double R[N][N];
+/* H = R'R with R upper triangular, its diagonal as reciprocals; 0 if H is not safely positive definite. */
+static int factorise(const double *H, double R[N][N]) {
   for (int i = 0; i < N; i++) {
     double pivot = H[i * N + i];
     for (int k = 0; k < i; k++)
       pivot -= R[k][i] * R[k][i];
-    if (!(pivot > 1e-15 && pivot < PG_OFF)) return 0;
-    const double inverse = 1.0 / sqrt(pivot);
-    Rinv[i][i] = inverse;
+    if (!(pivot > LEAST_PIVOT && pivot < PG_OFF)) return 0;
+    R[i][i] = 1.0 / sqrt(pivot);
     for (int j = i + 1; j < N; j++) {
       double sum = H[i * N + j];
       for (int k = 0; k < i; k++)
         sum -= R[k][i] * R[k][j];
-      R[i][j] = sum * inverse;
+      R[i][j] = sum * R[i][i];
     }
   }
-  for (int j = 1; j < N; j++)
+  return 1;
+}
+
+/* v = R^-T g and x = -R^-1 v, the minimum of the objective. */
+static void minimise_freely(double R[N][N], const double *g, double v[N], double x[N]) {
+  for (int j = 0; j < N; j++) {
+    double sum = g[j];
+    for (int k = 0; k < j; k++)
+      sum -= R[k][j] * v[k];
+    v[j] = sum * R[j][j];
+  }
+  for (int i = N - 1; i >= 0; i--) {
+    double sum = -v[i];
+    for (int k = i + 1; k < N; k++)
+      sum -= R[i][k] * x[k];
+    x[i] = sum * R[i][i];
+  }
+}
+
+static int meets_constraints(const pg_qp_t *qp, const double x[N]) {
+  for (int j = 0; j < N; j++)
+    if (!(x[j] >= qp->lb[j] && x[j] <= qp->ub[j])) return 0;
+  for (int i = 0; i < ROWS; i++) {
+    double sum = 0.0;
+    for (int j = 0; j < N; j++)
+      sum += qp->A[i * N + j] * x[j];
+    if (!(sum <= qp->ubA[i])) return 0;
+  }
+  return 1;
+}
+
+/* Replaces R by its inverse; from the last column on, because each needs those before it as they were. */
+static void invert(double R[N][N]) {
+  for (int j = N - 1; j > 0; j--)
     for (int i = j - 1; i >= 0; i--) {
       double sum = 0.0;
       for (int k = i + 1; k <= j; k++)
-        sum -= R[i][k] * Rinv[k][j];
-      Rinv[i][j] = sum * Rinv[i][i];
+        sum -= R[i][k] * R[k][j];
+      R[i][j] = sum * R[i][i];
     }
-  return 1;
 }
 
 /* Scales `count` entries to unit length; returns the factor. */
@@ -122,24 +157,18 @@ static void place_row(pg_solver_t *solver, const double *A, int i, double Rinv[N
   solver->dlower[N + i] = -DAQP_INF;
 }
 
-/* Flags of a constraint that is part of the problem, with its state in the last solution if that is wanted.
- */
-static int starting_sense(const pg_solver_t *solver, int side, pg_start_t start) {
-  return start == PG_HOT ? solver->last[side] : 0;
-}
-
 /* Right-hand sides and flags for a solve: a constraint that is off is immutable and not active, so DAQP
  * ignores it. */
 static void place_sides(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start) {
+  for (int side = 0; side < SIDES; side++)
+    solver->sense[side] = start == PG_AGAIN ? solver->last[side] : 0;
   for (int i = 0; i < N; i++)
-    solver->sense[i] = qp->ub[i] - qp->lb[i] < EQUAL_BOUNDS ? DAQP_ACTIVE | DAQP_IMMUTABLE
-                                                            : starting_sense(solver, i, start);
+    if (qp->ub[i] - qp->lb[i] < EQUAL_BOUNDS) solver->sense[i] = DAQP_ACTIVE | DAQP_IMMUTABLE;
   for (int i = 0; i < ROWS; i++) {
     const int side = N + i;
-    solver->sense[side] = qp->ubA[i] >= PG_OFF
-                              ? DAQP_IMMUTABLE
-                              : starting_sense(solver, side, start) | (PG_RELAXATION_SLACK ? DAQP_SOFT : 0);
     solver->dupper[side] = qp->ubA[i] * solver->scaling[side] + solver->shift[side];
+    if (PG_RELAXATION_SLACK) solver->sense[side] |= DAQP_SOFT;
+    if (qp->ubA[i] >= PG_OFF) solver->sense[side] = DAQP_IMMUTABLE;
   }
 }
 
@@ -217,17 +246,17 @@ void pg_solver_reset(pg_solver_t *solver) {
 }
 
 void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
-  double Rinv[N][N];
-  solver->usable = factorise(qp->H, Rinv);
+  double R[N][N];
+  solver->usable = factorise(qp->H, R);
   if (!solver->usable) return;
-  for (int j = 0; j < N; j++) {
-    solver->v[j] = 0.0;
-    for (int k = 0; k <= j; k++)
-      solver->v[j] += Rinv[k][j] * qp->g[k];
-  }
-  place_bounds(solver, qp, Rinv);
+  minimise_freely(R, qp->g, solver->v, solver->x_free);
+  solver->is_free = meets_constraints(qp, solver->x_free);
+  if (solver->is_free) return;
+
+  invert(R);
+  place_bounds(solver, qp, R);
   for (int i = 0; i < ROWS; i++)
-    if (qp->ubA[i] < PG_OFF) place_row(solver, qp->A, i, Rinv);
+    if (qp->ubA[i] < PG_OFF) place_row(solver, qp->A, i, R);
 #if PG_RELAXATION_SLACK
   memcpy(&solver->softness[N], qp->softness, ROWS * sizeof(double));
 #endif
@@ -238,22 +267,28 @@ pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t 
   DAQPWorkspace *work = &solver->work;
   memset(solution, 0, sizeof *solution);
   if (!solver->usable) return PG_UNSOLVED;
+  if (solver->is_free) {
+    memcpy(solution->x, solver->x_free, sizeof solution->x);
+    return PG_OPTIMAL;
+  }
+
   place_sides(solver, qp, start);
   reset_daqp_workspace(work);
   if (daqp_activate_constraints(work) < 0) return PG_UNSOLVED;
   const int exit = daqp_ldp(work);
   solution->iterations = work->iterations - 1;
-
+  remember_working_set(solver);
+  if (exit == DAQP_EXIT_OPTIMAL || exit == DAQP_EXIT_SOFT_OPTIMAL) {
+    ldp2qp_solution(work);
+    memcpy(solution->x, work->x, sizeof solution->x);
+    read_multipliers(solver, solution->y);
+    return PG_OPTIMAL;
+  }
   if (exit == DAQP_EXIT_INFEASIBLE) {
     for (int i = 0; i < work->n_active; i++)
       work->lam_star[i] *= solver->scaling[work->WS[i]];
     read_multipliers(solver, solution->y);
     return PG_INFEASIBLE;
   }
-  if (exit != DAQP_EXIT_OPTIMAL && exit != DAQP_EXIT_SOFT_OPTIMAL) return PG_UNSOLVED;
-  ldp2qp_solution(work);
-  memcpy(solution->x, work->x, sizeof solution->x);
-  read_multipliers(solver, solution->y);
-  remember_working_set(solver);
-  return PG_OPTIMAL;
+  return PG_UNSOLVED;
 }

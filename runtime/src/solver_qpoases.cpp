@@ -132,9 +132,9 @@ pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t 
   qpOASES::int_t changes = PG_MAX_ITERATIONS;
   try {
     const qpOASES::returnValue result =
-        start == PG_HOT && solver->hot
+        start == PG_FIRST && solver->hot
             ? solver->start_hot(qp->ubA, changes)
-            : solver->start_cold(qp->ubA, start == PG_HOT && solver->has_working_set, changes);
+            : solver->start_cold(qp->ubA, start == PG_FIRST && solver->has_working_set, changes);
     solution->iterations = changes;
     solver->hot = result == qpOASES::SUCCESSFUL_RETURN;
     if (!solver->hot) return solver->problem.isInfeasible() ? PG_INFEASIBLE : PG_UNSOLVED;
