@@ -6,17 +6,24 @@ from pathlib import Path
 from typing import Any
 
 from proxgen.cli.arguments import add_config, one_of
+from proxgen.cli.output import columns
 
 BACKENDS = ("qpoases", "daqp")
 
 
 def add_verbs(verbs: Any) -> None:
     """Add the verbs of this module to the parser."""
-    check = verbs.add_parser("check", help="find all mistakes in a robot's YAML file")
+    check = verbs.add_parser("check", help="find all mistakes in the YAML file of a robot or a scene")
     add_config(check)
+    check.add_argument(
+        "--explain", action="store_true", help="print every value in use and where it comes from"
+    )
     check.set_defaults(carry_out=carry_out_check)
 
     schema = verbs.add_parser("schema", help="print the JSON schema, for editors")
+    which = schema.add_mutually_exclusive_group()
+    which.add_argument("--scene", action="store_true", help="of a scene's file, instead of a robot's")
+    which.add_argument("--page", action="store_true", help="print docs/configuration.md instead")
     schema.set_defaults(carry_out=carry_out_schema)
 
     generate = verbs.add_parser("generate", help="generate the controller's C code")
@@ -41,19 +48,50 @@ def add_verbs(verbs: Any) -> None:
 def carry_out_check(arguments: argparse.Namespace) -> int:
     """Load the file and build the model from it, so that everything is looked at."""
     from proxgen.config import load
+    from proxgen.config.loader import is_scene
+
+    if is_scene(arguments.config):
+        return _check_scene(arguments)
+    config = load(arguments.config)
     from proxgen.model import build_model
 
-    model = build_model(load(arguments.config))
+    model = build_model(config)
+    if arguments.explain:
+        from proxgen.config.explain import explain
+
+        print(explain(config), end="")
+        rows: list[tuple[str, ...]] = [("# joint", "lower", "upper", "velocity", "acceleration")]
+        limits = (model.q_lower, model.q_upper, model.qdot_limit, model.qddot_limit)
+        for name, *values in zip(model.joint_names, *(limit.tolist() for limit in limits), strict=True):
+            rows.append((f"# {name}", *(f"{value:.6g}" for value in values)))
+        print(f"# limits in use, the URDF's ({config.urdf_path.name}) where the file gives none:")
+        print(columns(rows))
+        return 0
     parts = f"{model.n} joints, {len(model.capsules)} capsules, {len(model.modules)} sensor modules"
     print(f"{arguments.config}: no problems ({parts})")
     return 0
 
 
-def carry_out_schema(arguments: argparse.Namespace) -> int:
-    """Print the JSON schema of a robot's YAML file."""
-    from proxgen.config.schema import Config
+def _check_scene(arguments: argparse.Namespace) -> int:
+    """Load a scene; whether the arm fits into it is seen when it runs."""
+    from proxgen.config.scene import load_scene
 
-    print(json.dumps(Config.model_json_schema(), indent=2))
+    scene = load_scene(arguments.config)
+    parts = f"a scene with {len(scene.obstacles)} obstacles and {len(scene.targets)} targets"
+    print(f"{arguments.config}: no problems ({parts})")
+    return 0
+
+
+def carry_out_schema(arguments: argparse.Namespace) -> int:
+    """Print the JSON schema of a file, or the reference page."""
+    if arguments.page:
+        from proxgen.config.reference_page import configuration_page
+
+        print(configuration_page(), end="")
+        return 0
+    from proxgen.config.json_schema import robot_schema, scene_schema
+
+    print(json.dumps(scene_schema() if arguments.scene else robot_schema(), indent=2))
     return 0
 
 
@@ -62,10 +100,7 @@ def carry_out_generate(arguments: argparse.Namespace) -> int:
     from proxgen.builder.api import generate
     from proxgen.config import load
 
-    config = load(arguments.config)
-    directory = arguments.output or Path("generated") / config.robot.name
-    generate(config, directory)
-    print(f"generated {directory}")
+    print(f"generated {generate(load(arguments.config), arguments.output)}")
     return 0
 
 

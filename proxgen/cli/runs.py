@@ -9,6 +9,7 @@ from proxgen.cli.output import columns, progress_bar, write_json
 from proxgen.errors import ConfigError, Problem
 
 if TYPE_CHECKING:
+    from proxgen.compare import Comparison
     from proxgen.config import Config
     from proxgen.config.scene import Scene
     from proxgen.controllers.protocol import Controller
@@ -49,6 +50,7 @@ def add_verbs(verbs: Any) -> None:
         help="may be given several times; default: every scene whose start fits the robot",
     )
     add_sensing_and_duration(compare)
+    compare.add_argument("--out", type=Path, metavar="DIR", help="write the logs and a report there")
     compare.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
     compare.set_defaults(carry_out=carry_out_compare)
 
@@ -110,12 +112,26 @@ def carry_out_compare(arguments: argparse.Namespace) -> int:
     numbers = comparison.to_json()
     if arguments.json:
         write_json(arguments.json, numbers)
+    if arguments.out:
+        _write_comparison(arguments.out, comparison, config)
     rows = numbers["scenes"]
     print(columns([tuple(rows[0])] + [tuple(_shown(value) for value in row.values()) for row in rows]))
     for failure in comparison.failures:
         print(failure)
     print(f"verdict: {comparison.verdict}")
     return 0 if comparison.verdict == "pass" else 1
+
+
+def _write_comparison(directory: Path, comparison: "Comparison", config: "Config") -> None:
+    """The logs of the closed loops, the numbers and the report."""
+    from proxgen.report import write_report
+
+    directory.mkdir(parents=True, exist_ok=True)
+    logs = [scene.log for scene in comparison.scenes if scene.log is not None]
+    for log in logs:
+        log.save(directory / f"{log.meta['scene']}.npz")
+    write_json(directory / "comparison.json", comparison.to_json())
+    print(f"report: {write_report(directory, logs, comparison, config)}")
 
 
 def _controller(name: str, config: "Config", model: "RobotModel") -> "Controller":

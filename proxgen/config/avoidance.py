@@ -12,13 +12,13 @@ from proxgen.config.section import Finding, Flag, Section, must_be_less
 class Damper(Section):
     """The damper schedule: one line through the safety distance, in place of the law (13)."""
 
-    influence_distance: Annotated[float, Length(gt=0.0, le=5.0)] = Field(
+    influence_distance: Annotated[float, Length(ge=1e-6, le=5.0)] = Field(
         0.32, description="d_i: rows begin here"
     )
     safety_distance: Annotated[float, Length(ge=0.0, le=5.0)] = Field(
         0.22, description="d_s: no approach below"
     )
-    gain: Annotated[float, Rate(gt=0.0, le=100.0)] = Field(
+    gain: Annotated[float, Rate(ge=1e-6, le=100.0)] = Field(
         6.0, description="repulsive speed per distance below d_s"
     )
     repulse_speed: Annotated[float, Speed(ge=-5.0, le=0.0)] = Field(
@@ -39,7 +39,7 @@ class Active(Section):
     """Active avoidance (6)(7): the weighted sum of distances must not fall."""
 
     enabled: Flag = Field(True, description="whether the row (7) exists")
-    distance: Annotated[float, Length(gt=0.0, le=5.0)] = Field(
+    distance: Annotated[float, Length(ge=1e-6, le=5.0)] = Field(
         0.30, description="d_active: links nearer than this take part (6)"
     )
 
@@ -51,7 +51,7 @@ class Avoidance(Section):
         "axis", description="distances are measured to the capsule's axis, or to its surface"
     )
     schedule: Literal["paper", "damper"] = Field("paper", description="law (13), or the damper schedule")
-    d_a: Annotated[float, Length(gt=0.0, le=5.0)] = Field(
+    d_a: Annotated[float, Length(ge=1e-6, le=5.0)] = Field(
         0.30, description="obstacles beyond give no row (17)"
     )
     d_0u: Annotated[float, Length(ge=0.0, le=5.0)] = Field(
@@ -63,17 +63,17 @@ class Avoidance(Section):
     d_r: Annotated[float, Length(ge=0.0, le=5.0)] = Field(
         0.17, description="full repulsion at and below this distance (17)"
     )
-    approach_speed: Annotated[float, Speed(gt=0.0, le=5.0)] = Field(
+    approach_speed: Annotated[float, Speed(ge=1e-6, le=5.0)] = Field(
         0.2, description="greatest approach speed, at d_a (16)"
     )
     repulse_speed: Annotated[float, Speed(ge=-5.0, le=0.0)] = Field(
         -0.2, description="approach speed at d_r, not positive (16)"
     )
-    row_speed: Annotated[float, AngularSpeed(gt=0.0, le=100.0)] = Field(
+    row_speed: Annotated[float, AngularSpeed(ge=1e-6, le=100.0)] = Field(
         1.0, description="a row never demands more joint speed than this: b >= -row_speed |A|"
     )
-    active: Active = Field(Active(), description="active avoidance (6)(7)")
-    damper: Damper = Field(Damper(), description="the damper schedule (schedule: damper)")
+    active: Active = Active()
+    damper: Damper = Damper()
 
     def contradictions(self) -> Iterator[Finding]:
         """Thresholds out of order."""
@@ -100,12 +100,12 @@ class Damping(Section):
 class Slack(Section):
     """Weights of the soft rows (relaxation: slack)."""
 
-    weight: Annotated[float, Number(gt=0.0, le=1e6)] = Field(
+    weight: Annotated[float, Number(ge=1e-3, le=1e6)] = Field(
         100.0, description="rho of a row, multiplied by the square of the clipped ramp (d_a - d)/(d_a - d_r)"
     )
-    minimum: Annotated[float, Number(gt=0.0, le=10.0)] = Field(0.1, description="lower clip of the ramp")
-    maximum: Annotated[float, Number(gt=0.0, le=10.0)] = Field(2.0, description="upper clip of the ramp")
-    active_weight: Annotated[float, Number(gt=0.0, le=1e6)] = Field(
+    minimum: Annotated[float, Number(ge=1e-3, le=10.0)] = Field(0.1, description="lower clip of the ramp")
+    maximum: Annotated[float, Number(ge=1e-3, le=10.0)] = Field(2.0, description="upper clip of the ramp")
+    active_weight: Annotated[float, Number(ge=1e-3, le=1e6)] = Field(
         10.0, description="rho of the active row (7)"
     )
 
@@ -122,4 +122,4 @@ class Relaxation(Section):
     mode: Literal["staged", "slack"] = Field(
         "staged", description="staged: drop rows step by step; slack: soften all rows, weighted by distance"
     )
-    slack: Slack = Field(Slack(), description="weights of the soft rows (mode: slack)")
+    slack: Slack = Slack()

@@ -6,7 +6,15 @@ from typing import Any
 
 from pydantic import BaseModel
 
+from proxgen.config.layers import EXTENDS
+
 Schema = dict[str, Any]
+
+EXTENDS_SCHEMA: Schema = {
+    "anyOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+    "default": [],
+    "description": "presets, or YAML files relative to this one, whose values this file takes over",
+}
 
 
 class Keys:
@@ -17,8 +25,9 @@ class Keys:
     """
 
     def __init__(self, model: type[BaseModel]) -> None:
-        """Take the schema from the model."""
+        """Take the schema from the model; `extends` is dealt with before the model sees the file."""
         self.root: Schema = model.model_json_schema()
+        self.root["properties"] = {EXTENDS: EXTENDS_SCHEMA} | self.root["properties"]
 
     def resolved(self, schema: Schema) -> Schema:
         """The schema with a reference followed; what stands beside the reference wins."""

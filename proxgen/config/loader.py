@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from proxgen.config.layers import read_layers
 from proxgen.config.messages import contradictions_besides, dotted, mistaken_keys, problems_of
 from proxgen.config.origin import Origin
 from proxgen.config.quantities import unit_of
@@ -37,7 +38,7 @@ def load(path: str | Path) -> Config:
         ConfigError: the file, or the URDF that it names, cannot be used; holds all problems with their lines.
     """
     path = Path(path)
-    document = read_yaml(path)
+    document = read_layers(path)
     problems = list(document.problems)
     if document.root is None:
         raise ConfigError(problems)
@@ -50,6 +51,12 @@ def load(path: str | Path) -> Config:
         raise ConfigError(_without_echoes(problems))
     config._origin = Origin(path, origin.marks, urdf_path)
     return config
+
+
+def is_scene(path: str | Path) -> bool:
+    """Whether a file looks like a scene rather than a robot, so that it can be checked as what it is."""
+    root = read_yaml(Path(path)).root
+    return root is not None and "robot" not in root.value and bool({"obstacles", "targets"} & set(root.value))
 
 
 def validate(data: Any, model: type[AnySection], origin: Origin) -> tuple[AnySection | None, list[Problem]]:
@@ -88,7 +95,7 @@ def _without_echoes(problems: list[Problem]) -> list[Problem]:
     """Problems without those that only follow from another at the same key (a value that was not read)."""
     first: dict[tuple[Path, str], Problem] = {}
     kept = []
-    for problem in problems:
+    for problem in dict.fromkeys(problems):
         before = first.setdefault((problem.file, problem.key), problem)
         if not problem.key or before is problem or "found nothing" not in problem.message:
             kept.append(problem)

@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag
 
+from proxgen.config.layers import read_layers
 from proxgen.config.loader import validate
 from proxgen.config.origin import Origin
 from proxgen.config.quantities import Angle, JointPosition, Length, Speed, Time
 from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
-from proxgen.config.yaml_lines import read_yaml
 from proxgen.errors import ConfigError, Problem, nearest_name, unknown_name
 
 Size = Annotated[float, Length(gt=0.0, le=100.0)]
@@ -172,7 +172,7 @@ def load_scene(name: str | Path, beside: Path | None = None) -> Scene:
     path = Path(name)
     if path.suffix not in {".yaml", ".yml"}:
         path = _find_scene(str(name), beside)
-    document = read_yaml(path)
+    document = read_layers(path)
     problems = list(document.problems)
     if document.root is None:
         raise ConfigError(problems)

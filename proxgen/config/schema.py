@@ -47,7 +47,7 @@ __all__ = [
 
 TaskRow = Literal["x", "y", "z", "rx", "ry", "rz"]
 Position = Annotated[float, JointPosition()]
-PositiveAcceleration = Annotated[float, JointAcceleration(gt=0.0)]
+PositiveAcceleration = Annotated[float, JointAcceleration(ge=1e-6, le=1e6)]
 
 ROWS_OF_KIND: dict[str, tuple[TaskRow, ...]] = {
     "position": ("x", "y", "z"),
@@ -144,7 +144,7 @@ class Limits(Section):
         default_factory=dict,
         description="lower and upper position limit per joint, in place of the URDF's (11)",
     )
-    velocity: dict[str, Annotated[float, JointSpeed(gt=0.0)]] = Field(
+    velocity: dict[str, Annotated[float, JointSpeed(ge=1e-6, le=1e3)]] = Field(
         default_factory=dict, description="velocity limit per joint, in place of the URDF's (11)"
     )
     acceleration: (
@@ -155,7 +155,7 @@ class Limits(Section):
         ]
         | None
     ) = Field(20.0, description="bound of the change of the velocity, one for all or per joint; null: none")
-    joint_damper: Annotated[float, Rate(gt=0.0, le=1e3)] | None = Field(
+    joint_damper: Annotated[float, Rate(ge=1e-6, le=1e3)] | None = Field(
         5.0, description="k_d: velocity allowed per distance to the position limit; null: hard switch (11)"
     )
     viability: Flag = Field(
@@ -207,7 +207,7 @@ class Control(Section):
     """The control cycle."""
 
     rate: Annotated[float, Frequency(ge=1.0, le=1e4)] = Field(50.0, description="cycles per second")
-    deadline: Annotated[float, Time(gt=0.0, le=10.0)] | None = Field(
+    deadline: Annotated[float, Time(ge=1e-4, le=10.0)] | None = Field(
         None, description="a longer time between two cycles is a fault; null: not checked"
     )
 
@@ -224,18 +224,18 @@ class Control(Section):
 class Config(Section):
     """One robot's whole configuration, as loaded from one YAML file."""
 
-    robot: Robot = Field(description="which arm, and which chain of it is controlled")
-    task: Task = Field(Task(), description="what the tool is to do")
-    limits: Limits = Field(Limits(), description="joint limits")
+    robot: Robot
+    task: Task = Task()
+    limits: Limits = Limits()
     capsules: Annotated[tuple[Capsule, ...], AfterValidator(unique_names)] = Field(
         min_length=1, description="one capsule per avoiding link, each with one row of (5)"
     )
-    skin: Skin = Field(Skin(), description="the proximity sensors")
-    avoidance: Avoidance = Field(Avoidance(), description="from distances to rows")
-    damping: Damping = Field(Damping(), description="damping near singular configurations (14)(15)")
-    relaxation: Relaxation = Field(Relaxation(), description="what happens when not all rows can be met")
-    solver: Solver = Field(Solver(), description="the QP solver of the compiled controller")
-    control: Control = Field(Control(), description="the control cycle")
+    skin: Skin = Skin()
+    avoidance: Avoidance = Avoidance()
+    damping: Damping = Damping()
+    relaxation: Relaxation = Relaxation()
+    solver: Solver = Solver()
+    control: Control = Control()
 
     _origin: Origin = PrivateAttr(default_factory=lambda: Origin(Path()))
 

@@ -115,12 +115,12 @@ class Cuff(Section):
 class Skin(Section):
     """The proximity sensors: cuffs of modules, each with a range sensor and a switch."""
 
+    tof: TimeOfFlight | None = Field(TimeOfFlight(), description="of every module; null: no range sensors")
+    capacitive: Capacitive | None = Field(Capacitive(), description="of every module; null: no switches")
     cuffs: Annotated[tuple[Cuff, ...], AfterValidator(unique_names)] = Field(
         (), description="the cuffs; none: all obstacle points come from outside"
     )
-    tof: TimeOfFlight | None = Field(TimeOfFlight(), description="of every module; null: no range sensors")
-    capacitive: Capacitive | None = Field(Capacitive(), description="of every module; null: no switches")
-    timeout: Annotated[float, Time(gt=0.0, le=10.0)] = Field(
+    timeout: Annotated[float, Time(ge=1e-6, le=10.0)] = Field(
         0.1, description="a reading older than this is a fault"
     )
     max_points: Annotated[int, Count(ge=0, le=4096)] = Field(

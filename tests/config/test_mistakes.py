@@ -7,7 +7,7 @@ import pytest
 Case = tuple[str, str, str]
 """Text of the file, what replaces it, and the problem after `robot.yaml:`, which begins with its line."""
 
-SECTIONS = "avoidance, capsules, control, damping, limits, relaxation, robot, skin, solver, task"
+SECTIONS = "avoidance, capsules, control, damping, extends, limits, relaxation, robot, skin, solver, task"
 
 KEYS: dict[str, Case] = {
     "unknown key": (
