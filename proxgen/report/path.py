@@ -186,9 +186,9 @@ def _draw_space(axes: Axes3D, log: RolloutLog, low: Array, high: Array, arms: Se
                 np.stack([arm.starts, arm.ends], axis=1), colors=style.MUTED, linewidths=4.0, alpha=0.35
             )
         )
-    axes.add_collection3d(
-        Line3DCollection(_segments(log.tool_position), colors=_path_colours(log), linewidths=1.0)
-    )
+    if log.cycles > 1:
+        segments = _segments(log.tool_position)
+        axes.add_collection3d(Line3DCollection(segments, colors=_path_colours(log), linewidths=1.0))
     targets = np.array(log.meta["targets"]).reshape(-1, 3)
     axes.scatter(*targets.T, marker="*", s=90, color=style.GREEN, depthshade=False)
     for setter, name, index in ((axes.set_xlim, "x", 0), (axes.set_ylim, "y", 1), (axes.set_zlim, "z", 2)):
