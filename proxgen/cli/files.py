@@ -1,4 +1,4 @@
-"""Verbs that turn files into files: check, schema, generate, build."""
+"""Verbs that turn files into files: init, check, schema, generate, build."""
 
 import argparse
 import json
@@ -6,13 +6,22 @@ from pathlib import Path
 from typing import Any
 
 from proxgen.cli.arguments import add_config, one_of
-from proxgen.cli.output import columns
+from proxgen.cli.output import columns, shown_path
 
 BACKENDS = ("qpoases", "daqp")
 
 
 def add_verbs(verbs: Any) -> None:
     """Add the verbs of this module to the parser."""
+    init = verbs.add_parser("init", help="write a first YAML file, and a first scene, for any URDF")
+    init.add_argument("urdf", metavar="URDF", help="a path, or package://PACKAGE/path in a Python package")
+    init.add_argument("--tool", required=True, metavar="FRAME", help="the frame whose motion is the task")
+    init.add_argument(
+        "-o", "--output", type=Path, metavar="FILE", help="default: ROBOT.yaml in this folder"
+    )
+    init.add_argument("--force", action="store_true", help="replace files that exist")
+    init.set_defaults(carry_out=carry_out_init)
+
     check = verbs.add_parser("check", help="find all mistakes in the YAML file of a robot or a scene")
     add_config(check)
     check.add_argument(
@@ -43,6 +52,17 @@ def add_verbs(verbs: Any) -> None:
         help="the QP solver (default: solver.backend of the file)",
     )
     build.set_defaults(carry_out=carry_out_build)
+
+
+def carry_out_init(arguments: argparse.Namespace) -> int:
+    """Write the first files and say what comes next."""
+    from proxgen.scaffold import scaffold
+
+    path = scaffold(arguments.urdf, arguments.tool, arguments.output, force=arguments.force)
+    scene = path.with_name(f"{path.stem}_scene.yaml")
+    print(f"wrote {path} and {scene}")
+    print(f"next: proxgen check {path} && proxgen compare {path} --scene {scene}")
+    return 0
 
 
 def carry_out_check(arguments: argparse.Namespace) -> int:
@@ -111,5 +131,5 @@ def carry_out_build(arguments: argparse.Namespace) -> int:
 
     config = load(arguments.config)
     result = build(config, arguments.output, backend=arguments.backend)
-    print(f"{'built' if result.rebuilt else 'up to date:'} {result.library_dir}")
+    print(f"{'built' if result.rebuilt else 'up to date:'} {shown_path(result.library_dir)}")
     return 0

@@ -49,6 +49,11 @@ def write_text(path: Path, text: str) -> None:
         raise
 
 
+def shown_path(path: Path) -> Path:
+    """A path as a person in the current folder would write it."""
+    return path.relative_to(Path.cwd()) if path.is_relative_to(Path.cwd()) else path
+
+
 def columns(rows: Sequence[tuple[str, ...]]) -> str:
     """Rows of text as a table: the first column to the left, the others to the right."""
     widths = [max(len(row[index]) for row in rows) for index in range(len(rows[0]))]

@@ -1,0 +1,305 @@
+"""The command line: what it answers, with which exit status, and what it writes."""
+
+import json
+import subprocess
+import sys
+import warnings
+from pathlib import Path
+
+import pytest
+
+from proxgen import __version__
+from proxgen.cli import files, main
+from proxgen.cli.output import columns, progress_bar, write_json, write_text
+from proxgen.errors import BuildError, ProxgenWarning
+
+ROOT = Path(__file__).parent.parent
+PLANAR2 = str(ROOT / "examples" / "planar2" / "planar2.yaml")
+VERBS = "build, check, compare, generate, run, schema"
+
+RUN_KEYS = {
+    "scene", "controller", "backend", "sensing", "seed", "duration_s", "cycles", "targets_reached",
+    "min_distance_axis_m", "min_distance_surface_m", "time_below_dr_fraction", "penetration_samples",
+    "mean_abs_dqdot", "max_abs_dqdot", "status_counts", "solver_failures", "limit_violations", "cycle_us",
+}  # fmt: skip
+COMPARE_KEYS = {
+    "scene", "cycles", "max_abs_qdot_error", "max_abs_H_error", "max_abs_A_error", "max_kkt_residual",
+    "status_mismatches",
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder_of_its_own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--version"]) == 0
+    assert capsys.readouterr().out == f"proxgen {__version__}\n"
+
+
+@pytest.mark.parametrize("verb", ["", *VERBS.split(", ")])
+def test_help(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([verb, "--help"] if verb else ["--help"]) == 0
+    assert capsys.readouterr().out.startswith(f"usage: proxgen {verb}".rstrip())
+
+
+def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([]) == 2
+    assert "verbs:" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["chek"], f"proxgen: unknown verb 'chek'; did you mean 'check'? (allowed: {VERBS})"),
+        (["explode"], f"proxgen: unknown verb 'explode' (allowed: {VERBS})"),
+        (
+            ["--verion"],
+            "proxgen: unknown flag '--verion'; did you mean '--version'? (allowed: --help, --version)",
+        ),
+        (
+            ["check", "a.yaml", "--explan"],
+            "proxgen check: unknown flag '--explan'; did you mean '--explain'? (allowed: --explain, --help)",
+        ),
+        (
+            ["build", "a.yaml", "--backed=daqp"],
+            "proxgen build: unknown flag '--backed'; did you mean '--backend'? "
+            "(allowed: --backend, --help, --output)",
+        ),
+        (["check"], "proxgen check: the following arguments are required: CONFIG"),
+        (["check", "a.yaml", "b.yaml"], "proxgen check: unexpected argument 'b.yaml'"),
+        (["run", "a.yaml"], "proxgen run: the following arguments are required: --scene"),
+        (
+            ["build", "a.yaml", "--backend", "dacp"],
+            "proxgen build: argument --backend: unknown back end 'dacp'; did you mean 'daqp'? "
+            "(allowed: daqp, qpoases)",
+        ),
+        (
+            ["run", "a.yaml", "--scene", "gap", "--controller", "refrence"],
+            "proxgen run: argument --controller: unknown controller 'refrence'; did you mean 'reference'? "
+            "(allowed: compiled, reference)",
+        ),
+        (
+            ["compare", "a.yaml", "--sensing", "exact"],
+            "proxgen compare: argument --sensing: unknown sensing 'exact' (allowed: ideal, skin)",
+        ),
+        (
+            ["run", "a.yaml", "--scene", "gap", "--duration", "-1"],
+            "proxgen run: argument --duration: -1 is out of range "
+            "(allowed: greater than 0 and at most 1e+06 s)",
+        ),
+        (
+            ["run", "a.yaml", "--scene", "gap", "--duration", "long"],
+            "proxgen run: argument --duration: expected a time (a number in s, or with one of the units "
+            "s, ms, us), found 'long'",
+        ),
+        (
+            ["run", "a.yaml", "--scene", "gap", "--seed", "1.5"],
+            "proxgen run: argument --seed: expected a whole number from 0, found '1.5'",
+        ),
+    ],
+)
+def test_a_mistake_in_the_words(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    first, *usage = capsys.readouterr().err.splitlines()
+    assert first == message
+    assert usage[0].startswith("usage: proxgen")
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["check", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
+        (["generate", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
+        (["build", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
+        (["run", "none.yaml", "--scene", "gap"], "none.yaml: the file does not exist\n1 problem\n"),
+        (["compare", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
+        (
+            ["run", PLANAR2, "--scene", "pots"],
+            "pots: unknown scene 'pots'; did you mean 'post'? (allowed: facing, gap, moving, pillar, post)\n"
+            "1 problem\n",
+        ),
+        (
+            ["compare", PLANAR2, "--scene", "my.yaml"],
+            "my.yaml: the file does not exist\n1 problem\n",
+        ),
+    ],
+)
+def test_a_file_that_is_not_there(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(words) == 2
+    assert capsys.readouterr().err == message
+    assert list(Path().iterdir()) == []
+
+
+def test_check(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", PLANAR2]) == 0
+    assert capsys.readouterr().out == (f"{PLANAR2}: no problems (2 joints, 2 capsules, 4 sensor modules)\n")
+
+
+def test_check_of_a_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    scene = str(ROOT / "examples" / "scenes" / "gap.yaml")
+    assert main(["check", scene]) == 0
+    assert capsys.readouterr().out == f"{scene}: no problems (a scene with 2 obstacles and 2 targets)\n"
+
+
+def test_check_explain_shows_values_places_and_limits(capsys: pytest.CaptureFixture[str]) -> None:
+    line = Path(PLANAR2).read_text().splitlines().index("  d_r: 8 cm") + 1
+    assert main(["check", PLANAR2, "--explain"]) == 0
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert f"d_r: 0.08 m # {PLANAR2}:{line}" in lines
+    assert "row_speed: 1.0 rad/s # default" in lines
+    assert lines[-4:] == [
+        "# limits in use, the URDF's (planar2.urdf) where the file gives none:",
+        "# joint lower upper velocity acceleration",
+        "# joint_1 -3 3 2 20",
+        "# joint_2 -2.8 2.8 2.5 20",
+    ]
+
+
+def test_schema(capsys: pytest.CaptureFixture[str]) -> None:
+    titles = []
+    for words in (["schema"], ["schema", "--scene"]):
+        assert main(words) == 0
+        titles.append(json.loads(capsys.readouterr().out)["title"])
+    assert titles == ["proxgen robot", "proxgen scene"]
+    assert main(["schema", "--page"]) == 0
+    assert capsys.readouterr().out == (ROOT / "docs" / "configuration.md").read_text()
+
+
+def test_a_failure_has_its_status_and_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    failures: dict[int, BaseException] = {
+        1: BuildError("the compiler refused the code", ["cc", "-c", "a.c"], "a.c:1: error\n"),
+        130: KeyboardInterrupt(),
+    }
+    for status, failure in failures.items():
+
+        def fail(arguments: object, failure: BaseException = failure) -> int:
+            raise failure
+
+        monkeypatch.setattr(files, "carry_out_schema", fail)
+        assert main(["schema"]) == status
+    assert capsys.readouterr().err == (
+        "proxgen: the compiler refused the code\ncommand: cc -c a.c\na.c:1: error\nproxgen: interrupted\n"
+    )
+
+
+def test_a_warning_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def warn(arguments: object) -> int:
+        warnings.simplefilter("default")
+        warnings.warn("a mesh was not read", ProxgenWarning, stacklevel=1)
+        return 0
+
+    monkeypatch.setattr(files, "carry_out_schema", warn)
+    assert main(["schema"]) == 0
+    assert capsys.readouterr().err == "proxgen: warning: a mesh was not read\n"
+
+
+def test_a_reader_that_stops_early_is_no_failure() -> None:
+    command = f"'{sys.executable}' -m proxgen schema | head -n 1"
+    result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
+    assert (result.stdout, result.stderr) == ("{\n", "")
+
+
+def test_an_output_that_cannot_be_written_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("file").write_text("")
+    words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "0.1"]
+    assert main([*words, "--json", "file/run.json"]) == 1
+    assert capsys.readouterr().err.startswith("proxgen: ")
+    assert [path.name for path in Path().iterdir()] == ["file"]
+
+
+def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "1 s"]
+    assert main([*words, "--sensing", "ideal", "--seed", "3", "--json", "a/run.json", "--out", "b"]) == 0
+    captured = capsys.readouterr()
+    numbers = json.loads(Path("a/run.json").read_text())
+    assert set(numbers) == RUN_KEYS
+    assert set(numbers["cycle_us"]) == {"p50", "p99", "p999", "max"}
+    assert numbers["cycles"] == sum(numbers["status_counts"].values()) == 50
+    assert (numbers["scene"], numbers["controller"], numbers["sensing"], numbers["seed"]) == (
+        "post", "reference", "ideal", 3,
+    )  # fmt: skip
+    assert json.loads(Path("b/summary.json").read_text()) == numbers
+    assert {"log.npz", "index.html"} <= {path.name for path in Path("b").iterdir()}
+    assert captured.err == ""  # no progress bar in a pipe
+    assert "report: b/index.html" in captured.out
+
+
+def test_a_scene_for_another_arm_is_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["run", PLANAR2, "--scene", "gap", "--controller", "reference"]) == 2
+    assert "7 joint positions for an arm with 2 joints (joint_1, joint_2)" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_generate_build_run_and_compare(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["generate", PLANAR2]) == 0
+    assert capsys.readouterr().out == "generated generated/planar2\n"
+    assert Path("generated/planar2/model.h").is_file()
+    assert main(["build", PLANAR2, "--backend", "qpoases"]) == 0
+    assert capsys.readouterr().out == "built build/planar2\n"
+    assert main(["build", PLANAR2]) == 0
+    assert capsys.readouterr().out == "up to date: build/planar2\n"
+    assert main(["run", PLANAR2, "--scene", "post", "--duration", "1"]) == 0
+    assert "compiled" in capsys.readouterr().out
+    words = ["compare", PLANAR2, "--duration", "2", "--json", "compare.json", "--out", "report"]
+    assert main(words) == 0
+    numbers = json.loads(Path("compare.json").read_text())
+    assert numbers["verdict"] == "pass"
+    assert [scene["scene"] for scene in numbers["scenes"]] == ["post"]  # the others are the iiwa's
+    assert set(numbers["scenes"][0]) == COMPARE_KEYS
+    assert capsys.readouterr().out.splitlines()[-1] == "verdict: pass"
+    assert Path("report/index.html").is_file()
+
+
+def test_a_comparison_that_fails_has_status_1(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Failed:
+        verdict = "fail"
+        failures = ("post, cycle 3: qdot differs by 0.1 rad/s",)
+        scenes = ()
+
+        def to_json(self) -> dict[str, object]:
+            return {"scenes": [dict.fromkeys(COMPARE_KEYS, 0)], "verdict": "fail"}
+
+    monkeypatch.setattr("proxgen.compare.compare", lambda *arguments, **options: Failed())
+    assert main(["compare", PLANAR2, "--scene", "post", "--json", "compare.json"]) == 1
+    assert capsys.readouterr().out.splitlines()[-2:] == [
+        "post, cycle 3: qdot differs by 0.1 rad/s",
+        "verdict: fail",
+    ]
+    assert json.loads(Path("compare.json").read_text())["verdict"] == "fail"
+
+
+def test_files_are_written_whole_or_not_at_all() -> None:
+    write_text(Path("folder/a.txt"), "first")
+    write_text(Path("folder/a.txt"), "second")
+    with pytest.raises(ValueError, match="not JSON compliant"):
+        write_json(Path("folder/a.txt"), {"x": float("nan")})
+    with pytest.raises(UnicodeEncodeError):
+        write_text(Path("folder/a.txt"), "\ud800")
+    assert Path("folder/a.txt").read_text() == "second"
+    assert [path.name for path in Path("folder").iterdir()] == ["a.txt"]
+    Path("plain").write_text("")
+    assert Path("folder/a.txt").stat().st_mode == Path("plain").stat().st_mode
+
+
+def test_a_progress_bar_on_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with progress_bar("in a pipe") as progress:
+        assert progress is None
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with progress_bar("on a terminal") as progress:
+        assert progress is not None
+        progress(1, 2)
+        progress(2, 2)
+    assert "on a terminal" in capsys.readouterr().err
+
+
+def test_columns() -> None:
+    assert columns([("name", "a"), ("x", "10.5"), ("longer", "")]) == "name       a\nx       10.5\nlonger"
