@@ -4,7 +4,6 @@ import time as clock
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,11 +50,8 @@ class Cycle:
     command: Command
 
 
-class Observer(Protocol):
-    """Sees every cycle after the controller has decided, before the plant moves."""
-
-    def __call__(self, cycle: Cycle) -> None:
-        """Look at a cycle; must not change its arrays."""
+Observer = Callable[[Cycle], None]
+"""Sees every cycle after the controller has decided, before the plant moves; must not change its arrays."""
 
 
 def run(

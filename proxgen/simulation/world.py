@@ -35,29 +35,34 @@ _TARGET_COLOUR: Colour = (0.15, 0.60, 0.25, 1.0)
 _FLOOR_COLOUR: Colour = (0.93, 0.93, 0.91, 1.0)
 _OBSTACLE_BIT = 1
 _ARM_BITS = 30
+_MAX_RAYS = 4096
+"""Rays per call: pybullet silently loses some of a batch of the size that it names as its limit."""
 
 
 @contextmanager
-def _silent_stdout() -> Iterator[None]:
-    """Send what C code prints to nowhere; C's own buffer is flushed before and after."""
+def _silent(*descriptors: int) -> Iterator[None]:
+    """Send what C code writes to file descriptors to nowhere; its buffers are flushed before and after."""
     flush = ctypes.CDLL(None).fflush
     sys.stdout.flush()
+    sys.stderr.flush()
     flush(None)
-    kept, nowhere = os.dup(1), os.open(os.devnull, os.O_WRONLY)
+    kept, nowhere = [os.dup(descriptor) for descriptor in descriptors], os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 1)
+        for descriptor in descriptors:
+            os.dup2(nowhere, descriptor)
         yield
     finally:
         flush(None)
-        os.dup2(kept, 1)
-        os.close(kept)
+        for descriptor, copy in zip(descriptors, kept, strict=True):
+            os.dup2(copy, descriptor)
+            os.close(copy)
         os.close(nowhere)
 
 
 @cache
 def _pybullet() -> Any:
     """The module, imported on first use: it takes a while and prints a banner."""
-    with _silent_stdout():
+    with _silent(1, 2):
         import pybullet
     return pybullet
 
@@ -105,7 +110,7 @@ class World:
         self._bullet = _pybullet()
         self._field, self._arm, self._arm_in_rays = field, arm, arm_in_rays
         try:
-            with _silent_stdout():
+            with _silent(1):
                 self._client: int = self._bullet.connect(self._bullet.GUI if gui else self._bullet.DIRECT)
         except self._bullet.error as error:
             raise SimulationError(f"pybullet cannot open a world: {error}") from error
@@ -131,7 +136,7 @@ class World:
     def close(self) -> None:
         """Disconnect; further calls are errors, closing twice is not."""
         if self._client >= 0:
-            with _silent_stdout():
+            with _silent(1):
                 self._bullet.disconnect(physicsClientId=self._client)
             self._client = -1
 
@@ -196,7 +201,7 @@ class World:
             view.target, view.distance, view.yaw, view.pitch, 0.0, 2
         )
         lens = bullet.computeProjectionMatrixFOV(view.field_of_view, view.width / view.height, 0.05, 10.0)
-        with _silent_stdout():
+        with _silent(1):
             _, _, pixels, _, _ = bullet.getCameraImage(
                 view.width,
                 view.height,
@@ -212,12 +217,11 @@ class World:
 
     def _cast(self, origins: Array, ends: Array, mask: int) -> Array:
         """Rays in batches that pybullet accepts; only bodies whose group is in `mask` stop them."""
-        largest = int(self._bullet.MAX_RAY_INTERSECTION_BATCH_SIZE)
         fractions: list[float] = []
-        for first in range(0, len(origins), largest):
+        for first in range(0, len(origins), _MAX_RAYS):
             hits = self._bullet.rayTestBatch(
-                origins[first : first + largest].tolist(),
-                ends[first : first + largest].tolist(),
+                origins[first : first + _MAX_RAYS].tolist(),
+                ends[first : first + _MAX_RAYS].tolist(),
                 collisionFilterMask=mask,
                 physicsClientId=self._client,
             )
