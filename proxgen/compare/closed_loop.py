@@ -31,9 +31,9 @@ class Follower(Protocol):
 class Companion:
     """Observer of a closed loop: gives the reference the same input, and judges what both decided.
 
-    The reference keeps its own previous command, so that agreement means agreement of whole trajectories.
-    Only after a cycle in which the two disagree it is told the candidate's, so that one difference is not
-    found again in every later cycle.
+    A reference that is a `Follower` is told in every cycle what the candidate has commanded, so that both
+    begin the next one with the same previous velocity: each cycle is judged by itself, and a difference is not
+    found again in all later ones. What the candidate remembers is judged too, by its bounds.
     """
 
     def __init__(self, scene: str, reference: Controller, judge: Judge) -> None:
@@ -45,7 +45,7 @@ class Companion:
         """Judge a cycle."""
         expected = self._reference.step(cycle.q, cycle.xdot, cycle.measurement)
         judgement = self._judge.judge(cycle.command, expected)
-        if not judgement.agrees and isinstance(self._reference, Follower):
+        if isinstance(self._reference, Follower):
             self._reference.follow(cycle.command.qdot)
         self._record.add(cycle.time, judgement)
 

@@ -65,11 +65,6 @@ class Judgement:
     row_mismatches: int
     findings: tuple[str, ...] = field(default=())
 
-    @property
-    def agrees(self) -> bool:
-        """True if nothing is beyond its tolerance."""
-        return not self.findings
-
 
 class Judge:
     """Compares commands that two controllers gave for the same input."""

@@ -21,8 +21,7 @@ def compare_controllers_on(
 ) -> Comparison:
     """Give two controllers the same states, one after the other, and judge every decision.
 
-    Their previous commands are their own, so that each state is met at the velocity that the states before
-    have led to.
+    Each state is met at the velocity that the candidate's command before has led to (see `Companion`).
 
     Args:
         config: of both controllers.
@@ -44,7 +43,7 @@ def compare_controllers_on(
             reference.reset()
         command = candidate.step(state.q, state.xdot, state.measurement)
         judgement = judge.judge(command, reference.step(state.q, state.xdot, state.measurement))
-        if not judgement.agrees and isinstance(reference, Follower):
+        if isinstance(reference, Follower):
             reference.follow(command.qdot)
         record.add(state.measurement.time, judgement)
     return Comparison((record.comparison(),), judge.tolerances)

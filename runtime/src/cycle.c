@@ -36,10 +36,10 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
   pg_diagnostics_t *cycle = &controller->cycle;
 
   pg_status_t status = pg_check_input(controller, q, xdot, seen);
-  if (status == PG_FAULT_NOT_FINITE || status == PG_FAULT_JOINT_LIMIT)
-    bounds_without_position(controller);
-  else
+  if (pg_within_joint_limits(p, q))
     pg_model_bounds(p, q, controller->qdot_previous, cycle->lb, cycle->ub);
+  else
+    bounds_without_position(controller);
   if (status != PG_SOLVED) return status;
 
   pg_model_kinematics(q, &controller->kinematics);

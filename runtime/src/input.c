@@ -14,7 +14,7 @@ static int ages_finite(const pg_measurement_t *seen) {
          (!seen->capacitive_age || all_finite(seen->capacitive_age, PG_CAPACITIVE));
 }
 
-static int within_joint_limits(const pg_parameters_t *p, const double q[PG_N]) {
+int pg_within_joint_limits(const pg_parameters_t *p, const double q[PG_N]) {
   int within = 1;
   for (int j = 0; j < PG_N; j++)
     within &= (q[j] >= p->q_lower[j] - p->limit_tolerance) & (q[j] <= p->q_upper[j] + p->limit_tolerance);
@@ -56,7 +56,7 @@ pg_status_t pg_check_input(pg_controller_t *controller, const double q[PG_N], co
     controller->has_time = 1;
   }
 
-  if (!within_joint_limits(p, q)) return PG_FAULT_JOINT_LIMIT;
+  if (!pg_within_joint_limits(p, q)) return PG_FAULT_JOINT_LIMIT;
   if (!readings_possible(seen) || !ages_between(seen, 0.0, PG_OFF)) return PG_FAULT_READING;
   if (!advances) return PG_FAULT_TIME;
   if (p->max_period > 0.0 && elapsed > p->max_period) return PG_FAULT_DEADLINE;

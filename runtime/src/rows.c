@@ -67,7 +67,7 @@ void pg_write_rows(pg_controller_t *controller) {
     if (!nearest->found) continue;
     double row[PG_N];
     write_capsule_row(controller, l, row);
-    if (nearest->distance <= controller->parameters.d_active) {
+    if (nearest->distance <= PG_D_ACTIVE(&controller->parameters)) {
       const double weight =
           1.0 / (nearest->distance > LEAST_WEIGHT_DISTANCE ? nearest->distance : LEAST_WEIGHT_DISTANCE);
       for (int j = 0; j < PG_N; j++)

@@ -13,13 +13,13 @@
 /* A capsule's axis in the world, and the nearest point to it so far. */
 typedef struct {
   pg_segment_t segment;
-  double squared_distance; /* [m^2] to the axis */
-  double point[3];         /* [m] world; valid if `found` */
+  double displaced_below; /* [m^2] a point whose squared distance to the axis is less takes the place */
+  double point[3];        /* [m] world; valid if `found` */
   int found;
 } candidate_t;
 
 static double influence_distance(const pg_parameters_t *p) {
-  return PG_D_ON(p) > p->d_active ? PG_D_ON(p) : p->d_active;
+  return PG_D_ON(p) > PG_D_ACTIVE(p) ? PG_D_ON(p) : PG_D_ACTIVE(p);
 }
 
 /* Capsules move with their bodies; points that are too far for them are left out from the start. */
@@ -39,18 +39,19 @@ static void place_capsules(const pg_controller_t *controller, candidate_t candid
     /* A little more than needed: the distance itself decides at the end. */
     const double reach =
         (influence_distance(&controller->parameters) + capsule->reference_radius) * (1.0 + 1e-9);
-    candidates[l].squared_distance = reach * reach;
+    candidates[l].displaced_below = reach * reach;
     candidates[l].found = 0;
   }
 }
 
-/* Offers an obstacle point to all capsules; the first of equals is kept. */
+/* Offers an obstacle point to all capsules; of points that are equally near the first is kept. */
 static inline void offer(candidate_t candidates[PG_CAPSULES], const double point[3]) {
   for (int l = 0; l < PG_CAPSULES; l++) {
     double d[3], t;
     const double squared_distance = pg_from_segment(&candidates[l].segment, point, d, &t);
-    if (squared_distance < candidates[l].squared_distance) {
-      candidates[l].squared_distance = squared_distance;
+    if (squared_distance < candidates[l].displaced_below) {
+      const double nearer = sqrt(squared_distance) - PG_SAME_DISTANCE;
+      candidates[l].displaced_below = nearer > 0.0 ? nearer * nearer : 0.0;
       for (int i = 0; i < 3; i++)
         candidates[l].point[i] = point[i];
       candidates[l].found = 1;

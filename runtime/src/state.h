@@ -33,16 +33,25 @@ struct PG_NAME(controller) {
   _Alignas(16) unsigned char solver_memory[PG_SOLVER_MEMORY];
 };
 
-/* Distances at which something changes, by schedule. */
+/* Distances that differ by no more count as equal: switches around a link are equally far from its axis,
+ * often as far as a threshold, and rounding must not decide. */
+#define PG_SAME_DISTANCE 1e-9 /* [m] */
+
+/* Distances beyond which something changes, by schedule. */
 #if PG_SCHEDULE_DAMPER
-#define PG_D_ON(parameters)       ((parameters)->damper_influence)
-#define PG_D_DISTANT(parameters)  ((parameters)->damper_safety)
-#define PG_D_CRITICAL(parameters) ((parameters)->damper_safety)
+#define PG_D_ON(parameters)       ((parameters)->damper_influence + PG_SAME_DISTANCE)
+#define PG_D_DISTANT(parameters)  ((parameters)->damper_safety + PG_SAME_DISTANCE)
+#define PG_D_CRITICAL(parameters) ((parameters)->damper_safety + PG_SAME_DISTANCE)
 #else
-#define PG_D_ON(parameters)       ((parameters)->d_a)
-#define PG_D_DISTANT(parameters)  ((parameters)->d_0u)
-#define PG_D_CRITICAL(parameters) ((parameters)->d_r)
+#define PG_D_ON(parameters)       ((parameters)->d_a + PG_SAME_DISTANCE)
+#define PG_D_DISTANT(parameters)  ((parameters)->d_0u + PG_SAME_DISTANCE)
+#define PG_D_CRITICAL(parameters) ((parameters)->d_r + PG_SAME_DISTANCE)
 #endif
+#define PG_D_ACTIVE(parameters) ((parameters)->d_active + PG_SAME_DISTANCE)
+
+/* 1 if q is finite and no further outside its limits than the tolerance: bounds by position mean something.
+ */
+int pg_within_joint_limits(const pg_parameters_t *p, const double q[PG_N]);
 
 /* Step 0: PG_SOLVED if the input can be used, else the fault. Takes note of the time. */
 pg_status_t pg_check_input(pg_controller_t *controller, const double q[PG_N], const double xdot[PG_M],
@@ -59,6 +68,10 @@ pg_status_t pg_solve_by_stages(pg_controller_t *controller);
 
 /* Greatest violation of the optimality conditions (KKT) by a solution; infinity if it is not finite. */
 double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution);
+
+/* Takes the rounding errors out of a solution that is nearly exact; 0 if its working set does not allow it,
+ * and the solution is then spoilt. */
+int pg_polish(const pg_qp_t *qp, pg_solution_t *solution);
 
 /* 1 if the rows, weighed with y >= 0, contradict each other within the bounds by more than the tolerance. */
 int pg_proves_infeasible(const pg_qp_t *qp, const double y[PG_ROWS]);

@@ -11,6 +11,9 @@ from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.model.robot_model import RobotModel, SensorModule
 
+SAME_DISTANCE = 1e-9
+"""Distances that differ by no more are equal, to each other and to a threshold [m]."""
+
 NO_DIRECTION = 1e-6
 """An obstacle point nearer than this to a capsule's axis has no direction to leave it [m]."""
 
@@ -118,7 +121,7 @@ def closest_on_segments(points: Array, start: Array, end: Array) -> Array:
 
 
 def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float) -> Nearest:
-    """The nearest of the obstacle points (P, 3) for each capsule; the first of equals.
+    """The nearest of the obstacle points (P, 3) for each capsule; of points that are equally near the first.
 
     Args:
         arm: at its present position.
@@ -134,10 +137,12 @@ def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float
     on_axis = closest_on_segments(points, start, end)
     offset = points - on_axis
     length = np.sqrt((offset * offset).sum(axis=2))
-    slots, nearest = np.arange(count), length.argmin(axis=1)
+    reach = influence + SAME_DISTANCE + capsules.reference_radius
+    slots = np.arange(count)
+    nearest = np.array([_first_of_nearest(length[slot], reach[slot]) for slot in slots])
     least = length[slots, nearest]
     distance = least - capsules.reference_radius
-    there = (distance <= influence)[:, None]
+    there = (least <= reach)[:, None]
     direction = offset[slots, nearest] / np.maximum(least, NO_DIRECTION)[:, None]
     return Nearest(
         distance=np.where(there[:, 0], distance, np.inf),
@@ -146,6 +151,16 @@ def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float
         direction=np.where(there, direction, np.nan),
         inside=bool((there[:, 0] & (least < NO_DIRECTION)).any()),
     )
+
+
+def _first_of_nearest(length: Array, reach: float) -> int:
+    """Index of the point that is kept of points at distances (P,), offered one after the other."""
+    within = np.where(length <= reach, length, np.inf)
+    kept = 0
+    for index in np.flatnonzero(within < np.minimum.accumulate(np.append(np.inf, within[:-1]))).tolist():
+        if within[index] < within[kept] - SAME_DISTANCE:
+            kept = index
+    return kept
 
 
 def approach_law(d: float, p: Parameters) -> float:
@@ -182,10 +197,12 @@ class Thresholds:
 
 
 def thresholds(schedule: str, p: Parameters) -> Thresholds:
-    """Distances of the schedule `paper` or `damper`, where d_s takes the place of d_0u and of d_r."""
-    if schedule == "paper":
-        return Thresholds(p.d_a, p.d_0u, p.d_r)
-    return Thresholds(p.damper_influence, p.damper_safety, p.damper_safety)
+    """Distances of the schedule `paper` or `damper`, where d_s takes the place of d_0u and of d_r.
+
+    A distance that is equal to a threshold is not beyond it.
+    """
+    paper, damper = (p.d_a, p.d_0u, p.d_r), (p.damper_influence, p.damper_safety, p.damper_safety)
+    return Thresholds(*(value + SAME_DISTANCE for value in (paper if schedule == "paper" else damper)))
 
 
 @dataclass(frozen=True)
@@ -247,7 +264,7 @@ def active_row(candidates: Array, distance: Array, d_active: float) -> Array:
         distance: (L,) [m]; inf where there is no obstacle point.
         d_active: [m].
     """
-    near = distance <= d_active
+    near = distance <= d_active + SAME_DISTANCE
     if not near.any():
         return np.zeros(candidates.shape[1])
     weights = 1.0 / np.maximum(distance[near], NEAREST_WEIGHTED)
