@@ -13,8 +13,8 @@
 #define SHORT_SEARCH 2
 #define LONG_SEARCH  64
 
-/* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact to 1e-8. */
-#define EXACT (1e-4 * PG_TOLERANCE)
+/* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact. */
+#define EXACT (1e-6 * PG_TOLERANCE)
 
 /* Makes stage `stage` out of the one before it; returns 0 if the QP stays as it was. */
 static int relax(const pg_controller_t *controller, pg_status_t stage, double ubA[PG_ROWS]) {
@@ -42,50 +42,51 @@ static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
     x[j] = x[j] < qp->lb[j] ? qp->lb[j] : x[j] > qp->ub[j] ? qp->ub[j] : x[j];
 }
 
-/* One solve; says PG_OPTIMAL only with a certificate, and leaves the residual. */
-static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start,
-                            double *residual) {
+/* Puts a solution between its bounds, takes rounding errors out if there are any to speak of; returns its
+ * residual. */
+static double finish(const pg_qp_t *qp, pg_solution_t *solution) {
+  keep_within_bounds(qp, solution->x);
+  const double residual = pg_kkt_residual(qp, solution);
+  if (!(residual > EXACT && residual < INFINITY)) return residual;
+  pg_solution_t polished = *solution;
+  if (!pg_polish(qp, &polished)) return residual;
+  keep_within_bounds(qp, polished.x);
+  const double polished_residual = pg_kkt_residual(qp, &polished);
+  if (!(polished_residual < residual)) return residual;
+  *solution = polished;
+  return polished_residual;
+}
+
+/* One solve; says PG_OPTIMAL only with a certificate, and PG_INFEASIBLE in a first attempt only with a proof.
+ */
+static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start) {
+  pg_diagnostics_t *cycle = &controller->cycle;
   pg_solution_t *solution = &controller->solution;
   pg_outcome_t outcome = pg_solver_solve(controller->solver, qp, start, solution);
 #ifdef PG_FAULT_INJECTION
   pg_test_hook(start, &outcome, solution);
 #endif
-  controller->cycle.solves++;
-  controller->cycle.iterations += solution->iterations;
-  if (outcome != PG_OPTIMAL) return outcome;
-  keep_within_bounds(qp, solution->x);
-  *residual = pg_kkt_residual(qp, solution);
-  if (*residual <= PG_TOLERANCE) return PG_OPTIMAL;
-  controller->counters.certificate_failures++;
-  return PG_UNSOLVED;
-}
-
-/* The second chance: a solve from nothing, against what the first one left. */
-static pg_outcome_t attempt_again(pg_controller_t *controller, const pg_qp_t *qp, pg_outcome_t first,
-                                  double *residual) {
-  const pg_solution_t kept = controller->solution;
-  double residual_again;
-  controller->cycle.second_chances++;
-  const pg_outcome_t outcome = attempt(controller, qp, PG_AGAIN, &residual_again);
-  if (first == PG_OPTIMAL && (outcome != PG_OPTIMAL || residual_again > *residual)) {
-    controller->solution = kept;
-    return PG_OPTIMAL;
+  cycle->solves++;
+  cycle->iterations += solution->iterations;
+  if (outcome == PG_OPTIMAL) {
+    cycle->kkt_residual = finish(qp, solution);
+    if (cycle->kkt_residual <= PG_TOLERANCE) return PG_OPTIMAL;
+    controller->counters.certificate_failures++;
+    return PG_UNSOLVED;
   }
-  *residual = residual_again;
+  if (outcome == PG_INFEASIBLE && start == PG_FIRST && !pg_proves_infeasible(qp, solution->y) &&
+      !pg_find_contradiction(qp, LONG_SEARCH))
+    return PG_UNSOLVED;
   return outcome;
 }
 
-/* Solves one stage. A first answer that is neither exact nor a proof gets a second chance. */
+/* Solves one stage; a first answer that proves nothing gets a second chance. */
 static pg_outcome_t solve(pg_controller_t *controller, const pg_qp_t *qp) {
   if (!PG_RELAXATION_SLACK && pg_find_contradiction(qp, SHORT_SEARCH)) return PG_INFEASIBLE;
-  double residual = INFINITY;
-  pg_outcome_t outcome = attempt(controller, qp, PG_FIRST, &residual);
-  const int exact = outcome == PG_OPTIMAL && residual <= EXACT;
-  const int proven = outcome == PG_INFEASIBLE && (pg_proves_infeasible(qp, controller->solution.y) ||
-                                                  pg_find_contradiction(qp, LONG_SEARCH));
-  if (!exact && !proven) outcome = attempt_again(controller, qp, outcome, &residual);
-  if (outcome == PG_OPTIMAL) controller->cycle.kkt_residual = residual;
-  return outcome;
+  const pg_outcome_t outcome = attempt(controller, qp, PG_FIRST);
+  if (outcome != PG_UNSOLVED) return outcome;
+  controller->cycle.second_chances++;
+  return attempt(controller, qp, PG_AGAIN);
 }
 
 #if PG_RELAXATION_SLACK

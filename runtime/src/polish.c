@@ -1,0 +1,125 @@
+/* One Newton step on the residual of the certificate: makes a solution that is nearly exact exact.
+ *
+ * A solver's answer carries its rounding errors, which a small damping lambda magnifies, and which the
+ * acceleration bounds carry on into the next cycles. Its working set is what is worth having: with that, the
+ * conditions of optimality are linear equations, and one solve of them for the corrections leaves rounding
+ * errors only: [ H_ff   A_wf'  ] [dx_f]     [ (Hx + g + A'y)_f         ]    f: joints that are free [ A_wf
+ * -soft_w ] [dy_w] = - [ (Ax - softness*y - ubA)_w ]    w: rows that hold */
+#include "state.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST = PG_N + PG_ROWS };
+
+/* The unknowns: free joints first, then rows that hold. */
+typedef struct {
+  int joints, size;
+  int index[MOST];
+  double K[MOST][MOST]; /* lower triangle */
+  double change[MOST];
+} equations_t;
+
+static double row_times(const double *row, const double x[PG_N]) {
+  double sum = 0.0;
+  for (int j = 0; j < PG_N; j++)
+    sum += row[j] * x[j];
+  return sum;
+}
+
+/* Decides as the certificate does which joint is free and which row holds; puts all others on their bounds.
+ */
+static void choose_unknowns(const pg_qp_t *qp, pg_solution_t *solution, equations_t *equations) {
+  double *x = solution->x, *y = solution->y, gradient[PG_N];
+  int holds[PG_ROWS];
+  for (int i = 0; i < PG_ROWS; i++)
+    holds[i] =
+        qp->ubA[i] < PG_OFF && y[i] > qp->ubA[i] + qp->softness[i] * y[i] - row_times(&qp->A[i * PG_N], x);
+  for (int j = 0; j < PG_N; j++) {
+    gradient[j] = qp->g[j] + row_times(&qp->H[j * PG_N], x);
+    for (int i = 0; i < PG_ROWS; i++)
+      gradient[j] += qp->A[i * PG_N + j] * y[i];
+  }
+
+  equations->size = 0;
+  for (int j = 0; j < PG_N; j++) {
+    if (x[j] - gradient[j] <= qp->lb[j])
+      x[j] = qp->lb[j];
+    else if (x[j] - gradient[j] >= qp->ub[j])
+      x[j] = qp->ub[j];
+    else
+      equations->index[equations->size++] = j;
+  }
+  equations->joints = equations->size;
+  for (int i = 0; i < PG_ROWS; i++) {
+    if (holds[i])
+      equations->index[equations->size++] = i;
+    else
+      y[i] = 0.0;
+  }
+}
+
+static void write_equations(const pg_qp_t *qp, const pg_solution_t *solution, equations_t *equations) {
+  const int joints = equations->joints;
+  for (int a = 0; a < joints; a++) {
+    const int j = equations->index[a];
+    double gradient = qp->g[j] + row_times(&qp->H[j * PG_N], solution->x);
+    for (int b = joints; b < equations->size; b++) {
+      const int i = equations->index[b];
+      gradient += qp->A[i * PG_N + j] * solution->y[i];
+      equations->K[b][a] = qp->A[i * PG_N + j];
+    }
+    for (int b = 0; b <= a; b++)
+      equations->K[a][b] = qp->H[j * PG_N + equations->index[b]];
+    equations->change[a] = -gradient;
+  }
+  for (int a = joints; a < equations->size; a++) {
+    const int i = equations->index[a];
+    for (int b = joints; b < a; b++)
+      equations->K[a][b] = 0.0;
+    equations->K[a][a] = -qp->softness[i];
+    equations->change[a] =
+        qp->ubA[i] + qp->softness[i] * solution->y[i] - row_times(&qp->A[i * PG_N], solution->x);
+  }
+}
+
+/* K = LDL' in place, and the equations solved with it. No pivoting is needed: the first block is positive
+ * definite and what is left of the second then negative definite, unless rows depend on each other; returns 0
+ * for those. */
+static int solve_equations(equations_t *equations) {
+  const int size = equations->size;
+  double *change = equations->change;
+  for (int a = 0; a < size; a++) {
+    double *row = equations->K[a];
+    for (int b = 0; b < a; b++) {
+      for (int c = 0; c < b; c++)
+        row[b] -= row[c] * equations->K[b][c];
+    }
+    for (int b = 0; b < a; b++) {
+      const double scaled = row[b] / equations->K[b][b];
+      row[a] -= row[b] * scaled;
+      row[b] = scaled;
+    }
+    if (!(fabs(row[a]) > 1e-12)) return 0;
+    for (int b = 0; b < a; b++)
+      change[a] -= row[b] * change[b];
+  }
+  for (int a = 0; a < size; a++)
+    change[a] /= equations->K[a][a];
+  for (int a = size - 1; a > 0; a--)
+    for (int b = 0; b < a; b++)
+      change[b] -= equations->K[a][b] * change[a];
+  return 1;
+}
+
+int pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
+  equations_t equations;
+  choose_unknowns(qp, solution, &equations);
+  write_equations(qp, solution, &equations);
+  if (!solve_equations(&equations)) return 0;
+  for (int a = 0; a < equations.joints; a++)
+    solution->x[equations.index[a]] += equations.change[a];
+  for (int a = equations.joints; a < equations.size; a++)
+    solution->y[equations.index[a]] += equations.change[a];
+  return 1;
+}
