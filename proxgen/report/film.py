@@ -26,7 +26,7 @@ def film_figure(log: RolloutLog, model: RobotModel, camera: Camera | None = None
         model: the arm that ran.
         camera: where the pictures are taken from; the world's own choice if None.
     """
-    view = camera or Camera(width=720, height=720)
+    view = camera or Camera(width=760, height=680, distance=1.75)
     moments = spread(typical_leg(log), log, _MOMENTS)
     geometry, field = ArmGeometry(with_pedestal(model)), ObstacleField(obstacles_of(log))
     targets = np.array(log.meta["targets"]).reshape(-1, 3)

@@ -36,7 +36,7 @@ def numerics_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
     figure = style.new_figure(4.6)
     panels = figure.subplots(3, 1, sharex=True)
     rows = (
-        ("Manipulability w (14)", log.manipulability, style.BLUE, "w"),
+        ("Manipulability w (14)", np.maximum(log.manipulability, 1e-6), style.BLUE, "w"),
         ("Damping λ (15)", log.damping, style.ORANGE, "λ"),
         ("Residual of the optimality conditions (certificate)", log.kkt_residual, style.GREEN, "residual"),
     )
