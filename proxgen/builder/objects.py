@@ -70,6 +70,7 @@ def _job(unit: Unit, target: Path, toolchain: Toolchain) -> tuple[list[str], str
     """The command that compiles a unit, and what to say if it fails."""
     include = [f"-I{folder}" for folder in unit.include]
     command = [*toolchain.compile_command(unit.source), *unit.options, *include]
+    command.append(f"-fmacro-prefix-map={unit.source.parent}=.")  # else __FILE__ would hold a temporary path
     return [*command, "-c", str(unit.source), "-o", str(target)], f"{unit.source.name} could not be compiled"
 
 

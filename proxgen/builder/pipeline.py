@@ -56,6 +56,12 @@ class _Plan:
         """Name of the robot."""
         return self.config.robot.name
 
+    @property
+    def generated_name(self) -> str:
+        """Folder of the generated code; relative within the build folder, which may then be moved."""
+        inside = self.generated.is_relative_to(self.directory)
+        return str(self.generated.relative_to(self.directory) if inside else self.generated)
+
 
 def build(
     config: Config,
@@ -117,7 +123,7 @@ def _up_to_date(plan: _Plan) -> bool:
     last = stamp.read_stamp(plan.directory)
     return (
         last is not None
-        and (last.key, last.generated) == (plan.key, str(plan.generated))
+        and (last.key, last.generated) == (plan.key, plan.generated_name)
         and last.holds(plan.directory)
     )
 
@@ -143,7 +149,7 @@ def _rebuild(plan: _Plan) -> None:
         stamp.remove_stamp(plan.directory)
         files = _move_into_place(result, plan.directory, last)
         code = stamp.digest_folder(plan.generated)
-        made = Stamp(plan.key, plan.generation, str(plan.generated), code, files)
+        made = Stamp(plan.key, plan.generation, plan.generated_name, code, files)
         stamp.write_stamp(plan.directory, made, work)
 
 
@@ -151,8 +157,8 @@ def _generate(plan: _Plan, last: Stamp | None) -> None:
     """Generate the code, unless that of the last build still stands."""
     if (
         last is not None
-        and (last.generation, last.generated) == (plan.generation, str(plan.generated))
-        and last.generated_holds()
+        and (last.generation, last.generated) == (plan.generation, plan.generated_name)
+        and last.generated_holds(plan.directory)
     ):
         return
     from proxgen.builder.api import generate

@@ -21,7 +21,7 @@ class Stamp:
     Attributes:
         key: digest of all inputs.
         generation: digest of the inputs of the generated code alone.
-        generated: folder of the generated code.
+        generated: folder of the generated code, absolute or within the build folder.
         generated_digest: of its files, so that a change by hand is seen.
         files: size of every file of the build, by path within the folder.
     """
@@ -34,13 +34,13 @@ class Stamp:
 
     def holds(self, directory: Path) -> bool:
         """Whether the files of the build are all there still, and the generated code is as it was."""
-        return self.generated_holds() and all(
+        return self.generated_holds(directory) and all(
             _size(directory / name) == size for name, size in self.files.items()
         )
 
-    def generated_holds(self) -> bool:
-        """Whether the generated code is as the last build left it."""
-        return digest_folder(Path(self.generated)) == self.generated_digest
+    def generated_holds(self, directory: Path) -> bool:
+        """Whether the generated code is as the last build of the folder left it."""
+        return digest_folder(directory / self.generated) == self.generated_digest
 
 
 def read_stamp(directory: Path) -> Stamp | None:
