@@ -123,7 +123,7 @@ def test_a_cmake_project_finds_the_package(
     program(tmp_path, robot)
     (tmp_path / "CMakeLists.txt").write_text(CMAKE.format(robot=robot))
     (tmp_path / "main.cpp").write_text(CPP.format(robot=robot))
-    configure = ["cmake", "-S", tmp_path, "-B", tmp_path / "out", f"-DCMAKE_PREFIX_PATH={folder}"]
+    configure: list[str | Path] = ["cmake", "-S", tmp_path, "-B", tmp_path / "out", f"-DCMAKE_PREFIX_PATH={folder}"]
     call(configure)
     call(["cmake", "--build", tmp_path / "out"])
     for name in ("shared", "static", "cxx"):

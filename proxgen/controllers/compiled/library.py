@@ -19,6 +19,7 @@ class Library:
     Attributes:
         robot: name, and prefix of everything in `lib`.
         backend: QP solver behind it.
+        path: file of the extension.
         manifest: `manifest.json` of the generated code.
         ffi: cffi's types and conversions.
         lib: the C functions.
@@ -26,6 +27,7 @@ class Library:
 
     robot: str
     backend: str
+    path: Path
     manifest: dict[str, Any]
     ffi: Any
     lib: Any
@@ -62,9 +64,9 @@ def load_library(directory: str | Path) -> Library:
     try:
         description = json.loads((folder / "proxgen.json").read_text())
         manifest = json.loads((folder / description["manifest"]).read_text())
-        path = str(folder / description["extension"])
-        loader = ExtensionFileLoader(description["module"], path)
-        spec = spec_from_file_location(description["module"], path, loader=loader)
+        path, name = folder / description["extension"], description["module"]
+        loader = ExtensionFileLoader(name, str(path))
+        spec = spec_from_file_location(name, path, loader=loader)
         module = module_from_spec(spec)  # type: ignore[arg-type]
         loader.exec_module(module)
     except FileNotFoundError as error:
@@ -73,7 +75,8 @@ def load_library(directory: str | Path) -> Library:
         ) from error
     except (OSError, ValueError, KeyError, ImportError) as error:
         raise ControllerError(f"the controller in {folder} cannot be loaded: {error}") from error
-    library = Library(description["robot"], description["backend"], manifest, module.ffi, module.lib)
+    robot, backend = description["robot"], description["backend"]
+    library = Library(robot, backend, path, manifest, module.ffi, module.lib)
     _check_version(library, folder)
     return library
 
