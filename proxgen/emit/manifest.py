@@ -33,7 +33,8 @@ def render_manifest(program: Program, functions: tuple[Function, ...], mark: str
         "capacitive": [asdict(entry) for entry in program.capacitive],
         "functions": [_function(program, function) for function in functions],
     }
-    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    entries = [f"  {_json(key)}: {_value(value)}" for key, value in content.items()]
+    return "{\n" + ",\n".join(entries) + "\n}\n"
 
 
 def dimensions(program: Program) -> dict[str, int]:
@@ -48,6 +49,18 @@ def dimensions(program: Program) -> dict[str, int]:
         "max_points": program.max_points,
         "rows": len(program.capsules) + int(program.active_row),
     }
+
+
+def _value(value: Any) -> str:
+    """A value on one line, or, if it is a list of tables, a line for each of them."""
+    if isinstance(value, list) and value:
+        return "[\n" + ",\n".join(f"    {_json(entry)}" for entry in value) + "\n  ]"
+    return _json(value)
+
+
+def _json(value: Any) -> str:
+    """Strict JSON: no NaN, no infinity."""
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
 def _function(program: Program, function: Function) -> dict[str, Any]:
