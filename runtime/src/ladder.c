@@ -49,7 +49,7 @@ static double finish(const pg_qp_t *qp, pg_solution_t *solution) {
   const double residual = pg_kkt_residual(qp, solution);
   if (!(residual > EXACT && residual < INFINITY)) return residual;
   pg_solution_t polished = *solution;
-  if (!pg_polish(qp, &polished)) return residual;
+  pg_polish(qp, &polished);
   keep_within_bounds(qp, polished.x);
   const double polished_residual = pg_kkt_residual(qp, &polished);
   if (!(polished_residual < residual)) return residual;

@@ -10,6 +10,8 @@
 #include <math.h>
 #include <string.h>
 
+#define LEAST_PIVOT 1e-12
+
 enum { MOST = PG_N + PG_ROWS };
 
 /* The unknowns: free joints first, then rows that hold. */
@@ -51,11 +53,13 @@ static void choose_unknowns(const pg_qp_t *qp, pg_solution_t *solution, equation
       equations->index[equations->size++] = j;
   }
   equations->joints = equations->size;
+  /* Rows with a multiplier come first: of rows that depend on each other, the last are left out. */
+  for (int i = 0; i < PG_ROWS; i++)
+    if (holds[i] && y[i] > 0.0) equations->index[equations->size++] = i;
   for (int i = 0; i < PG_ROWS; i++) {
-    if (holds[i])
-      equations->index[equations->size++] = i;
-    else
-      y[i] = 0.0;
+    if (holds[i] && y[i] > 0.0) continue;
+    y[i] = 0.0;
+    if (holds[i]) equations->index[equations->size++] = i;
   }
 }
 
@@ -83,43 +87,48 @@ static void write_equations(const pg_qp_t *qp, const pg_solution_t *solution, eq
   }
 }
 
-/* K = LDL' in place, and the equations solved with it. No pivoting is needed: the first block is positive
- * definite and what is left of the second then negative definite, unless rows depend on each other; returns 0
- * for those. */
-static int solve_equations(equations_t *equations) {
+/* Row a of K = LDL', in place. No pivoting is needed: the first block is positive definite, and what is left
+ * of the second then negative definite; but a row that depends on those before it is met when they are, and
+ * is left out. */
+static void factorise_row(equations_t *equations, int a) {
+  double *row = equations->K[a];
+  for (int b = 0; b < a; b++)
+    for (int c = 0; c < b; c++)
+      row[b] -= row[c] * equations->K[b][c];
+  for (int b = 0; b < a; b++) {
+    const double scaled = row[b] / equations->K[b][b];
+    row[a] -= row[b] * scaled;
+    row[b] = scaled;
+  }
+  if (!(fabs(row[a]) > LEAST_PIVOT)) {
+    memset(row, 0, (size_t)a * sizeof(double));
+    row[a] = 1.0;
+    equations->change[a] = 0.0;
+  }
+}
+
+static void solve_equations(equations_t *equations) {
   const int size = equations->size;
   double *change = equations->change;
   for (int a = 0; a < size; a++) {
-    double *row = equations->K[a];
-    for (int b = 0; b < a; b++) {
-      for (int c = 0; c < b; c++)
-        row[b] -= row[c] * equations->K[b][c];
-    }
-    for (int b = 0; b < a; b++) {
-      const double scaled = row[b] / equations->K[b][b];
-      row[a] -= row[b] * scaled;
-      row[b] = scaled;
-    }
-    if (!(fabs(row[a]) > 1e-12)) return 0;
+    factorise_row(equations, a);
     for (int b = 0; b < a; b++)
-      change[a] -= row[b] * change[b];
+      change[a] -= equations->K[a][b] * change[b];
   }
   for (int a = 0; a < size; a++)
     change[a] /= equations->K[a][a];
   for (int a = size - 1; a > 0; a--)
     for (int b = 0; b < a; b++)
       change[b] -= equations->K[a][b] * change[a];
-  return 1;
 }
 
-int pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
+void pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
   equations_t equations;
   choose_unknowns(qp, solution, &equations);
   write_equations(qp, solution, &equations);
-  if (!solve_equations(&equations)) return 0;
+  solve_equations(&equations);
   for (int a = 0; a < equations.joints; a++)
     solution->x[equations.index[a]] += equations.change[a];
   for (int a = equations.joints; a < equations.size; a++)
     solution->y[equations.index[a]] += equations.change[a];
-  return 1;
 }

@@ -69,9 +69,8 @@ pg_status_t pg_solve_by_stages(pg_controller_t *controller);
 /* Greatest violation of the optimality conditions (KKT) by a solution; infinity if it is not finite. */
 double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution);
 
-/* Takes the rounding errors out of a solution that is nearly exact; 0 if its working set does not allow it,
- * and the solution is then spoilt. */
-int pg_polish(const pg_qp_t *qp, pg_solution_t *solution);
+/* Takes the rounding errors out of a solution whose working set is right; spoils any other. */
+void pg_polish(const pg_qp_t *qp, pg_solution_t *solution);
 
 /* 1 if the rows, weighed with y >= 0, contradict each other within the bounds by more than the tolerance. */
 int pg_proves_infeasible(const pg_qp_t *qp, const double y[PG_ROWS]);
