@@ -4,11 +4,13 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+import numpy as np
+
 from proxgen.compare.comparison import Comparison, Record, SceneComparison
 from proxgen.compare.judge import Judge, Tolerances
 from proxgen.config.scene import Scene, load_scene
 from proxgen.config.schema import Config
-from proxgen.controllers.protocol import Array, Controller
+from proxgen.controllers.protocol import Array, Command, Controller
 from proxgen.controllers.reference import ReferenceController
 from proxgen.errors import CompareError
 from proxgen.model import build_model
@@ -28,12 +30,18 @@ class Follower(Protocol):
         """Take `qdot` (n,) for the previous command."""
 
 
+def tell(reference: Controller, command: Command) -> None:
+    """Let the reference follow what the candidate has commanded, if it can and if that is a velocity."""
+    if isinstance(reference, Follower) and np.isfinite(command.qdot).all():
+        reference.follow(command.qdot)
+
+
 class Companion:
     """Observer of a closed loop: gives the reference the same input, and judges what both decided.
 
     A reference that is a `Follower` is told in every cycle what the candidate has commanded, so that both
-    begin the next one with the same previous velocity: each cycle is judged by itself, and a difference is not
-    found again in all later ones. What the candidate remembers is judged too, by its bounds.
+    begin the next one with the same previous velocity: each cycle is judged by itself, and a difference is
+    not found again in all later ones. What the candidate remembers is judged too, by its bounds.
     """
 
     def __init__(self, scene: str, reference: Controller, judge: Judge) -> None:
@@ -45,8 +53,7 @@ class Companion:
         """Judge a cycle."""
         expected = self._reference.step(cycle.q, cycle.xdot, cycle.measurement)
         judgement = self._judge.judge(cycle.command, expected)
-        if isinstance(self._reference, Follower):
-            self._reference.follow(cycle.command.qdot)
+        tell(self._reference, cycle.command)
         self._record.add(cycle.time, judgement)
 
     @property

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from proxgen.compare.closed_loop import Follower
+from proxgen.compare.closed_loop import tell
 from proxgen.compare.comparison import Comparison, Record
 from proxgen.compare.judge import Judge, Tolerances
 from proxgen.compare.states import State
@@ -43,7 +43,6 @@ def compare_controllers_on(
             reference.reset()
         command = candidate.step(state.q, state.xdot, state.measurement)
         judgement = judge.judge(command, reference.step(state.q, state.xdot, state.measurement))
-        if isinstance(reference, Follower):
-            reference.follow(command.qdot)
+        tell(reference, command)
         record.add(state.measurement.time, judgement)
     return Comparison((record.comparison(),), judge.tolerances)
