@@ -16,9 +16,7 @@ def add_verbs(verbs: Any) -> None:
     init = verbs.add_parser("init", help="write a first YAML file, and a first scene, for any URDF")
     init.add_argument("urdf", metavar="URDF", help="a path, or package://PACKAGE/path in a Python package")
     init.add_argument("--tool", required=True, metavar="FRAME", help="the frame whose motion is the task")
-    init.add_argument(
-        "-o", "--output", type=Path, metavar="FILE", help="default: ROBOT.yaml in this folder"
-    )
+    init.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: ROBOT.yaml in this folder")
     init.add_argument("--force", action="store_true", help="replace files that exist")
     init.set_defaults(carry_out=carry_out_init)
 

@@ -1,0 +1,129 @@
+"""`proxgen init`: a first configuration and a first scene for any serial arm."""
+
+import os
+import tempfile
+import warnings
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from proxgen.config.loader import load
+from proxgen.config.urdf import PACKAGE, resolve_urdf
+from proxgen.errors import ConfigError, ModelError, Problem, ProxgenWarning
+from proxgen.model import RobotModel, build_model
+from proxgen.scaffold.capsules import CapsuleProposal, propose_capsules
+from proxgen.scaffold.chain import Arm, read_arm
+from proxgen.scaffold.cuffs import propose_cuffs
+from proxgen.scaffold.names import robot_name
+from proxgen.scaffold.postures import Posture, ranges, start_posture, task_rows
+from proxgen.scaffold.render import Sheet, Stopgaps, render_robot, render_scene
+from proxgen.scaffold.scene import propose_scene
+
+_CUFF_POSTURES = 20
+
+
+def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = False) -> Path:
+    """Write a first YAML file for a robot, and a first scene beside it.
+
+    Args:
+        urdf: path of a URDF, or `package://PACKAGE/path` in an installed Python package.
+        tool: name of the frame whose motion is the task.
+        output: the YAML file; `ROBOT.yaml` in the current folder if None. The scene goes beside it.
+        force: replace files that exist.
+
+    Returns:
+        The YAML file. Both files are written, or none.
+
+    Raises:
+        ModelError: the URDF or one of its meshes cannot be read, or has no arm that ends at the tool.
+        ConfigError: a file exists already.
+
+    Warns:
+        ProxgenWarning: the URDF lacks limits or geometry; the file has blanks to be filled in.
+    """
+    path = resolve_urdf(urdf, Path.cwd())
+    arm = read_arm(path, tool)
+    name = robot_name(arm.robot)
+    output = Path(f"{name}.yaml") if output is None else output
+    scene_file = output.with_name(f"{output.stem}_scene.yaml")
+    existing = [file for file in (output, scene_file) if file.exists()]
+    if existing and not force:
+        message = "the file exists already; --force (force=True) replaces it"
+        raise ConfigError([Problem(file, 0, "", message) for file in existing])
+    capsules = propose_capsules(arm.bodies)
+    scale = float(np.clip(np.floor(4.0 * arm.size + 0.5) / 4.0, 0.25, 1.0))
+    solid = all(capsule.radius is not None for capsule in capsules)
+    sheet = Sheet(name, str(path), urdf, ("x", "y", "z"), solid, scale)
+    model = _draft_model(render_robot(sheet, arm, capsules, [], Stopgaps()))
+    rows = task_rows(model)
+    start = start_posture(model, rows)
+    cuffs = propose_cuffs(capsules, _some_postures(start)) if solid else []
+    sheet = replace(sheet, urdf=_reference(urdf, path, output), rows=rows)
+    texts = {
+        output: render_robot(sheet, arm, capsules, cuffs),
+        scene_file: render_scene(
+            sheet, arm, propose_scene(start, rows, arm.size, sheet.thresholds), output.name, scene_file.name
+        ),
+    }
+    _draft_model(render_robot(replace(sheet, urdf=str(path)), arm, capsules, cuffs, Stopgaps()))
+    _write(texts)
+    _tell_blanks(output, arm, capsules)
+    return output
+
+
+def _draft_model(text: str) -> RobotModel:
+    """The model of a file that does not exist yet; this also shows that the file is accepted."""
+    with tempfile.TemporaryDirectory() as folder:
+        draft = Path(folder) / "draft.yaml"
+        draft.write_text(text, encoding="utf-8")
+        try:
+            return build_model(load(draft))
+        except ConfigError as error:
+            told = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
+            raise ModelError(f"the URDF leads to values that a configuration cannot have: {told}") from error
+
+
+def _some_postures(start: Posture) -> list[Posture]:
+    """The start, the zero posture, and some in the middle of the joints' ranges."""
+    model, rng = start.model, np.random.default_rng(3)
+    lower, upper = ranges(model)
+    middle, quarter = 0.5 * (lower + upper), 0.25 * (upper - lower)
+    postures = [start, Posture(model, np.clip(0.0, lower, upper))]
+    for _ in range(_CUFF_POSTURES):
+        postures.append(Posture(model, middle + rng.uniform(-quarter, quarter)))
+    return postures
+
+
+def _reference(urdf: str, path: Path, output: Path) -> str:
+    """How the YAML file names the URDF: as a package's file, or relative to itself."""
+    if urdf.startswith(PACKAGE):
+        return urdf
+    return Path(os.path.relpath(path, output.resolve().parent)).as_posix()
+
+
+def _write(texts: Mapping[Path, str]) -> None:
+    """Write files whole, all or none: everything goes beside its place first."""
+    waiting: list[tuple[Path, Path]] = []
+    try:
+        for path, text in texts.items():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            temporary = path.with_name(f".{path.name}.{os.getpid()}")
+            waiting.append((temporary, path))
+            temporary.write_text(text, encoding="utf-8")
+        for temporary, path in waiting:
+            temporary.replace(path)
+    finally:
+        for temporary, _ in waiting:
+            temporary.unlink(missing_ok=True)
+
+
+def _tell_blanks(output: Path, arm: Arm, capsules: list[CapsuleProposal]) -> None:
+    """Warn of what the user has to fill in."""
+    blanks = [f"limits.position.{joint.name}" for joint in arm.joints if joint.needs_position]
+    blanks += [f"limits.velocity.{joint.name}" for joint in arm.joints if joint.needs_velocity]
+    blanks += [f"capsules.{index}.radius" for index, capsule in enumerate(capsules) if capsule.radius is None]
+    if blanks:
+        message = f"{output}: fill in what the URDF does not say, at FILL IN: {', '.join(blanks)}"
+        warnings.warn(message, ProxgenWarning, stacklevel=3)

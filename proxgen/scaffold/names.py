@@ -1,0 +1,40 @@
+"""Names that a configuration accepts, made from whatever a URDF calls its parts."""
+
+import re
+import unicodedata
+from collections.abc import Iterable
+
+from proxgen.config.schema import RESERVED_NAMES
+
+MAX_LENGTH = 40
+
+
+def identifier(text: str) -> str:
+    """A lower-case identifier: letters, digits and underscores, a letter first.
+
+    Accents are dropped, every other character becomes an underscore; the result has at most 40 characters.
+    """
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
+    name = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
+    if not name or not name[0].isalpha():
+        name = f"part_{name}".rstrip("_")
+    return name[:MAX_LENGTH].rstrip("_")
+
+
+def robot_name(text: str) -> str:
+    """An identifier that can be the prefix of C symbols."""
+    name = identifier(text)
+    return f"{name[: MAX_LENGTH - 6]}_robot" if name in RESERVED_NAMES else name
+
+
+def distinct(texts: Iterable[str]) -> list[str]:
+    """Identifiers that differ from each other, in the same order; numbers tell equal ones apart."""
+    names: list[str] = []
+    for text in texts:
+        name, number = identifier(text), 2
+        while name in names:
+            ending = f"_{number}"
+            name = identifier(text)[: MAX_LENGTH - len(ending)] + ending
+            number += 1
+        names.append(name)
+    return names
