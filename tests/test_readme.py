@@ -1,0 +1,146 @@
+"""README.md, line by line: every command in it is run, every program compiled, every link followed.
+
+All blocks run in order in one copy of the repository, so that what a block builds is there for the next one.
+"""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from proxgen.config import load
+from proxgen.model import build_model
+
+ROOT = Path(__file__).resolve().parent.parent
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+pytestmark = pytest.mark.slow
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block: its language and its text."""
+
+    language: str
+    text: str
+
+
+BLOCKS = [
+    Block(language, text) for language, text in re.findall(r"^```(\w+)\n(.*?)^```$", README, re.M | re.S)
+]
+COMMANDS = [
+    line for block in BLOCKS if block.language == "sh" for line in block.text.splitlines() if line.strip()
+]
+MAKE_TEST = "make test "
+"""The test suite itself: what it runs is checked line by line, instead of starting it within itself."""
+
+
+@pytest.fixture(scope="module")
+def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The files of the repository in a folder of their own, with this Python's environment as .venv."""
+    folder = tmp_path_factory.mktemp("readme") / "proxgen"
+    unwanted = (
+        ".git",
+        ".venv",
+        "build",
+        "out",
+        "dist",
+        "__pycache__",
+        ".*_cache",
+        ".hypothesis",
+        "*.egg-info",
+    )
+    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*unwanted))
+    (folder / ".venv").symlink_to(sys.prefix)
+    return folder
+
+
+def shell(script: str, folder: Path) -> str:
+    """What a script says, with the activated environment of the clone; an AssertionError if it fails."""
+    # -o: the environment is there already; make is not to install into it.
+    activated = 'make() { command make -o .venv/.installed "$@"; }\n. .venv/bin/activate\n' + script
+    clean = {
+        name: value
+        for name, value in os.environ.items()
+        if not name.startswith(("PYTEST_", "MAKE", "MFLAGS"))
+    }
+    done = subprocess.run(
+        ["bash", "-euo", "pipefail", "-c", activated],
+        cwd=folder,
+        env=clean,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, f"{script}\n{done.stdout}\n{done.stderr}"
+    return done.stdout
+
+
+def test_the_commands_of_the_readme_are_seen() -> None:
+    assert {block.language for block in BLOCKS} == {"math", "sh", "python", "yaml", "c"}
+    assert sum(command.startswith(MAKE_TEST) for command in COMMANDS) == 1
+    assert len(COMMANDS) >= 9
+
+
+def test_everything_in_the_readme_runs_in_order(clone: Path) -> None:
+    """Shell blocks are run, Python blocks too; a C block is saved under the name in its first line."""
+    said = []
+    for block in BLOCKS:
+        if block.language == "sh":
+            lines = [line for line in block.text.splitlines() if not line.startswith(MAKE_TEST)]
+            said.append(shell("\n".join(lines), clone))
+        elif block.language == "python":
+            said.append(shell(f"python - <<'END'\n{block.text}END\n", clone))
+        elif block.language == "c":
+            (clone / block.text.split()[1]).write_text(block.text)
+    output = "\n".join(said)
+    assert re.search(r"Comparison +pass", output)  # make demo
+    assert "verdict: pass" in output  # proxgen compare
+    assert re.search(r"^SOLVED \[", output, re.M)  # the Python program
+    assert re.search(r"^joint 1 is at -?\d", output, re.M)  # the C program
+    for page in ("out/demo/index.html", "out/gap/index.html", "out/compare.json"):
+        assert (clone / page).stat().st_size > 0
+
+
+def test_the_short_configuration_is_a_whole_one(tmp_path: Path) -> None:
+    (text,) = [block.text for block in BLOCKS if block.language == "yaml"]
+    (tmp_path / "arm.yaml").write_text(text)
+    shutil.copy(ROOT / "examples" / "iiwa7" / "iiwa7.urdf", tmp_path / "arm.urdf")
+    model = build_model(load(tmp_path / "arm.yaml"))
+    assert (model.n, len(model.capsules), len(model.modules)) == (7, 1, 6)
+
+
+@pytest.mark.parametrize(
+    "tool",
+    [
+        "ruff check",
+        "ruff format --check",
+        "mypy",
+        "clang-format --dry-run -Werror",
+        "diff -r generated",
+        "pytest -n 2",
+    ],
+)
+def test_make_test_runs(tool: str, clone: Path) -> None:
+    """The suite cannot run itself; but make says which lines it would run."""
+    assert tool in shell(f"{MAKE_TEST} --dry-run", clone)
+
+
+def test_pytest_has_the_last_word(clone: Path) -> None:
+    assert "pytest" in shell(f"{MAKE_TEST} --dry-run", clone).strip().splitlines()[-1]
+
+
+@pytest.mark.parametrize("target", re.findall(r"\]\(([^)#]+)\)", README))
+def test_links_lead_somewhere(target: str) -> None:
+    assert "://" in target or (ROOT / target).exists()
+
+
+def test_first_lines() -> None:
+    """The equation comes first, and the two commands are the first ones."""
+    assert [block.language for block in BLOCKS[:2]] == ["math", "sh"]
+    assert [line.split("#")[0].strip() for line in BLOCKS[1].text.splitlines()] == ["make demo", "make test"]
