@@ -171,6 +171,10 @@ def test_a_qp_whose_variables_are_all_fixed() -> None:
     assert verdict.solution.residual < 1e-15
     impossible = QuadraticProgram(np.eye(2), np.ones(2), A, np.array([-0.2]), fixed, fixed)
     assert solve(impossible, TOLERANCE).infeasible
+    no_rows = QuadraticProgram(np.eye(2), np.ones(2), np.empty((0, 2)), np.empty(0), fixed, fixed)
+    without = solve(no_rows, TOLERANCE)
+    assert without.solution is not None
+    np.testing.assert_array_equal(without.solution.x, fixed)
 
 
 def test_a_qp_without_rows() -> None:

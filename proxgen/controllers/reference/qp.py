@@ -107,7 +107,7 @@ def kkt_residual(program: QuadraticProgram, x: Array, y: Array, z: Array) -> flo
         np.abs(np.maximum(z, 0.0) * above),
         np.abs(np.minimum(z, 0.0) * below),
     )
-    return float(np.maximum(np.concatenate(violations).max(), 0.0))  # keeps nan, unlike max()
+    return float(np.concatenate(violations).max(initial=0.0))  # keeps nan, unlike Python's max
 
 
 def solve(program: QuadraticProgram, tolerance: float) -> Verdict:

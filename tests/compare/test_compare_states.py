@@ -1,0 +1,52 @@
+"""Random states: the same for a seed, of every kind, for any arm."""
+
+import numpy as np
+
+from proxgen.compare import random_states
+from proxgen.compare.states import UNLIMITED
+from proxgen.config.schema import Config
+from proxgen.controllers.protocol import Status
+from proxgen.controllers.reference import ReferenceController
+from proxgen.model import RobotModel
+
+
+def test_a_seed_gives_the_same_states(iiwa7_config: Config, iiwa7_model: RobotModel) -> None:
+    once, again, other = (list(random_states(iiwa7_config, iiwa7_model, 20, seed=s)) for s in (1, 1, 2))
+    for a, b in zip(once, again, strict=True):
+        np.testing.assert_array_equal(a.q, b.q)
+        np.testing.assert_array_equal(a.xdot, b.xdot)
+        np.testing.assert_array_equal(a.measurement.points, b.measurement.points)
+        np.testing.assert_array_equal(a.measurement.tof_range, b.measurement.tof_range)
+    assert any((a.q != c.q).any() for a, c in zip(once, other, strict=True))
+
+
+def test_states_fit_the_arm(any_config: Config, any_model: RobotModel) -> None:
+    tolerance = any_config.limits.tolerance
+    for state in random_states(any_config, any_model, 100, seed=3, faults=0.0):
+        measurement = state.measurement
+        assert state.q.shape == (any_model.n,) and state.xdot.shape == (any_model.m,)
+        assert measurement.tof_range.shape == (len(any_model.tof_modules),)
+        assert measurement.capacitive.shape == (len(any_model.capacitive_modules),)
+        assert measurement.points.shape[1:] == (3,)
+        limited = any_model.q_upper <= UNLIMITED
+        assert (state.q <= any_model.q_upper + tolerance)[limited].all()
+        assert (state.q >= any_model.q_lower - tolerance)[limited].all()
+
+
+def test_no_fault_is_met_unless_asked_for(any_config: Config, any_model: RobotModel) -> None:
+    controller = ReferenceController(any_config, any_model)
+    for state in random_states(any_config, any_model, 100, seed=4, faults=0.0):
+        assert not controller.step(state.q, state.xdot, state.measurement).status.fault
+
+
+def test_calm_and_crowded_states_are_both_there(any_config: Config, any_model: RobotModel) -> None:
+    controller = ReferenceController(any_config, any_model)
+    rows, decided = [], set()
+    for state in random_states(any_config, any_model, 200, seed=5, faults=0.0):
+        command = controller.step(state.q, state.xdot, state.measurement)
+        rows.append(int(command.diagnostics.row_on.sum()))
+        decided.add(command.status)
+    assert min(rows) == 0
+    assert max(rows) >= len(any_model.capsules) - 1
+    if any_config.relaxation.mode == "staged":
+        assert {Status.SOLVED, Status.REDUCED_REPULSION} <= decided
