@@ -30,7 +30,7 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 	  echo "No C++ compiler: only the DAQP back end will build; qpOASES, the default, needs one (apt-get install g++)." >&2; }
 	@echo "setup: installing into $(VENV) with $$($(PYTHON) --version) ..."
 	@$(PYTHON) -m venv $(VENV)
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@$(BIN)/python -m pip install --quiet --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 	@$(BIN)/python -m proxgen.builder.fetch_daqp
 	@touch $@
 
@@ -59,7 +59,7 @@ golden-check: setup  ## regenerate into a temporary folder; fail if generated/ d
 constraints:  ## renew constraints.txt: resolve all dependencies anew in an empty environment
 	@fresh=$$(mktemp -d); trap 'rm -rf "$$fresh"' EXIT; \
 	$(PYTHON) -m venv "$$fresh"; \
-	"$$fresh/bin/python" -m pip install --quiet --disable-pip-version-check -e '.[dev]'; \
+	"$$fresh/bin/python" -m pip install --quiet --quiet --disable-pip-version-check -e '.[dev]'; \
 	{ grep '^#' constraints.txt; "$$fresh/bin/python" -m pip freeze --all --exclude-editable --exclude pip; } > "$$fresh/new"; \
 	cp "$$fresh/new" constraints.txt
 
