@@ -123,9 +123,9 @@ def test_a_cmake_project_finds_the_package(
     program(tmp_path, robot)
     (tmp_path / "CMakeLists.txt").write_text(CMAKE.format(robot=robot))
     (tmp_path / "main.cpp").write_text(CPP.format(robot=robot))
-    configure: list[str | Path] = ["cmake", "-S", tmp_path, "-B", tmp_path / "out", f"-DCMAKE_PREFIX_PATH={folder}"]
-    call(configure)
-    call(["cmake", "--build", tmp_path / "out"])
+    out = tmp_path / "out"
+    call(["cmake", "-S", str(tmp_path), "-B", str(out), f"-DCMAKE_PREFIX_PATH={folder}"])
+    call(["cmake", "--build", str(out)])
     for name in ("shared", "static", "cxx"):
         call([tmp_path / "out" / name])
 
