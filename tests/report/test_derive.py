@@ -1,10 +1,10 @@
 """What figures derive from a log."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up import make_log
 
 from proxgen.controllers.protocol import Status
 from proxgen.model import RobotModel
@@ -20,50 +20,47 @@ from proxgen.report.derive import (
     typical_leg,
     with_pedestal,
 )
-from proxgen.simulation.log import RolloutLog
-
-LogMaker = Callable[..., RolloutLog]
 
 
-def test_label_names_scene_controller_and_sensing(log_maker: LogMaker) -> None:
-    assert label(log_maker()) == "made_up, compiled (daqp), skin sensing"
-    assert label(log_maker(controller="reference", backend="none")) == "made_up, reference, skin sensing"
+def test_label_names_scene_controller_and_sensing() -> None:
+    assert label(make_log()) == "made_up, compiled (daqp), skin sensing"
+    assert label(make_log(controller="reference", backend="none")) == "made_up, reference, skin sensing"
 
 
-def test_least_distance_follows_the_reference(log_maker: LogMaker) -> None:
-    axis, surface = log_maker(), log_maker(distance_reference="surface")
+def test_least_distance_follows_the_reference() -> None:
+    axis, surface = make_log(), make_log(distance_reference="surface")
     assert least_distance(axis) == pytest.approx(axis.true_axis_distance.min(axis=1))
     assert least_distance(surface) == pytest.approx(surface.true_surface_distance.min(axis=1))
 
 
-def test_least_distance_without_an_obstacle_is_infinite(log_maker: LogMaker) -> None:
-    log = log_maker()
+def test_least_distance_without_an_obstacle_is_infinite() -> None:
+    log = make_log()
     log = replace(log, true_axis_distance=np.full_like(log.true_axis_distance, np.inf))
     assert np.isinf(least_distance(log)).all()
 
 
-def test_legs_cover_all_cycles_once(log_maker: LogMaker) -> None:
-    found = legs(log_maker(cycles=130))
+def test_legs_cover_all_cycles_once() -> None:
+    found = legs(make_log(cycles=130))
     assert found == [Leg(0, 49), Leg(50, 99), Leg(100, 129)]
-    assert typical_leg(log_maker(cycles=130)) == Leg(50, 99)
-    assert typical_leg(log_maker(cycles=30)) == Leg(0, 29)
+    assert typical_leg(make_log(cycles=130)) == Leg(50, 99)
+    assert typical_leg(make_log(cycles=30)) == Leg(0, 29)
 
 
-def test_spread_divides_the_path_evenly(log_maker: LogMaker) -> None:
-    log = log_maker(cycles=100)
+def test_spread_divides_the_path_evenly() -> None:
+    log = make_log(cycles=100)
     line = np.zeros((100, 3))
     line[:, 1] = np.minimum(np.arange(100), 60)  # stands still at the end
     moments = spread(Leg(0, 99), replace(log, tool_position=line), 4)
     assert moments == [0, 20, 40, 60]
 
 
-def test_spread_of_an_arm_that_stands_still_is_one_moment(log_maker: LogMaker) -> None:
-    log = log_maker(cycles=10)
+def test_spread_of_an_arm_that_stands_still_is_one_moment() -> None:
+    log = make_log(cycles=10)
     assert spread(Leg(3, 9), replace(log, tool_position=np.zeros((10, 3))), 4) == [3]
 
 
-def test_status_spans_add_up_to_the_run(log_maker: LogMaker) -> None:
-    spans = status_spans(log_maker(cycles=200))
+def test_status_spans_add_up_to_the_run() -> None:
+    spans = status_spans(make_log(cycles=200))
     assert list(spans) == [Status.SOLVED, Status.STOPPED_INFEASIBLE]
     assert spans[Status.STOPPED_INFEASIBLE][0] == pytest.approx((1.2, 0.02))
     assert sum(length for parts in spans.values() for _, length in parts) == pytest.approx(4.0)
@@ -77,8 +74,8 @@ def test_microseconds_have_three_digits_and_no_exponent(value: float, text: str)
     assert microseconds(value) == text
 
 
-def test_units_follow_the_joints(log_maker: LogMaker, any_model: RobotModel) -> None:
-    log = log_maker(joints=any_model.n)
+def test_units_follow_the_joints(any_model: RobotModel) -> None:
+    log = make_log(joints=any_model.n)
     prismatic = {drive.index for drive in any_model.drives if drive.prismatic}
     assert joint_units(log, any_model) == [
         "m" if index in prismatic else "rad" for index in range(any_model.n)
