@@ -46,6 +46,7 @@ ROOFS = {"cli", "__init__", "__main__", "bench"}
 LIBRARIES: dict[str, set[str]] = {
     "pybullet": {"simulation.world"},
     "pybullet_data": {"simulation.world"},
+    "ruckig": {"simulation.cabinet"},
     "casadi": {"symbolic", "emit"},
     "pinocchio": {"model", "symbolic", "controllers.reference"},
     "quadprog": {"controllers.reference", "scaffold.fit"},

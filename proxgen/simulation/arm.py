@@ -47,10 +47,16 @@ class ArmGeometry:
         self._start = np.array([capsule.start for capsule in model.capsules], dtype=float).reshape(-1, 3)
         self._end = np.array([capsule.end for capsule in model.capsules], dtype=float).reshape(-1, 3)
         self._data = model.pin_model.createData()
+        self._last: tuple[Array, Array] | None = None
 
     def poses(self, q: Array) -> Array:
-        """Poses of all bodies at joint positions q (n,): (B, 4, 4), body 0 is the base."""
-        return np.array(body_poses(self.model, q, self._data))
+        """Poses of all bodies at joint positions q (n,): (B, 4, 4), body 0 is the base; not to be changed.
+
+        The last ones are kept: loop, sensors and distances mostly ask for the same q in a cycle.
+        """
+        if self._last is None or not np.array_equal(self._last[0], q):
+            self._last = (q.copy(), np.array(body_poses(self.model, q, self._data)))
+        return self._last[1]
 
     def axes(self, poses: Array) -> tuple[Array, Array]:
         """Start and end of every capsule's axis in the world, each (L, 3) [m]."""

@@ -58,6 +58,32 @@ def surroundings(scene: schema.Scene, model: RobotModel, start_offset: Array | N
     return Surroundings(scene.name, field, tuple(_target(target) for target in scene.targets), start)
 
 
+def perturbed(
+    scene: schema.Scene, model: RobotModel, seed: int, *, joints: float = 0.03, targets: float = 0.02
+) -> tuple[schema.Scene, Array]:
+    """A scene a little changed, to see how much of a result was luck.
+
+    Args:
+        scene: as loaded.
+        model: the arm.
+        seed: of the change; uniform in every coordinate.
+        joints: greatest offset of each joint at the start [rad or m].
+        targets: greatest offset of each target along x, y and z [m].
+
+    Returns:
+        The scene with its targets moved, and the offset (n,) of the start for `rollout.run`.
+    """
+    luck = np.random.default_rng(seed)
+    offset = luck.uniform(-joints, joints, model.n)
+    moved = tuple(
+        target.model_copy(
+            update={"position": tuple((target.position + luck.uniform(-targets, targets, 3)).tolist())}
+        )
+        for target in scene.targets
+    )
+    return scene.model_copy(update={"targets": moved}), offset
+
+
 def _obstacle(obstacle: schema.Obstacle) -> Obstacle:
     return Obstacle(
         name=obstacle.name,

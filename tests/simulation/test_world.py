@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from proxgen.errors import SimulationError
 from proxgen.model import RobotModel
 from proxgen.simulation.arm import ArmGeometry
 from proxgen.simulation.geometry import point_to_capsule, ray_to_capsule
@@ -94,6 +95,8 @@ def test_two_worlds_do_not_disturb_each_other(planar2_model: RobotModel) -> None
         assert near.rays(origin, end)[0] == pytest.approx(0.4, abs=1e-4)
         near.close()
         near.close()
+        with pytest.raises(SimulationError, match="closed"):
+            near.rays(origin, end)
 
 
 def test_the_arm_is_hit_by_rays_only_if_asked(iiwa7_model: RobotModel) -> None:

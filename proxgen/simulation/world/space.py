@@ -1,18 +1,8 @@
-"""The only file that knows pybullet: obstacles and arm as bodies, rays, pictures by its software renderer.
+"""Obstacles and arm as bodies in space: rays against them, pictures by pybullet's software renderer."""
 
-Every call names its physics client, so that several worlds live side by side in one process. What pybullet
-prints from C is discarded: standard output belongs to the command line.
-"""
-
-import ctypes
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from types import TracebackType
-from typing import Any
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +11,8 @@ from proxgen.errors import SimulationError
 from proxgen.model.frames import axis_basis
 from proxgen.simulation.arm import ArmGeometry
 from proxgen.simulation.obstacles import Obstacle, ObstacleField
+from proxgen.simulation.world.client import Client, silent
+from proxgen.simulation.world.rotation import quaternion
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
@@ -37,34 +29,6 @@ _OBSTACLE_BIT = 1
 _ARM_BITS = 30
 _MAX_RAYS = 4096
 """Rays per call: pybullet silently loses some of a batch of the size that it names as its limit."""
-
-
-@contextmanager
-def _silent(*descriptors: int) -> Iterator[None]:
-    """Send what C code writes to file descriptors to nowhere; its buffers are flushed before and after."""
-    flush = ctypes.CDLL(None).fflush
-    sys.stdout.flush()
-    sys.stderr.flush()
-    flush(None)
-    kept, nowhere = [os.dup(descriptor) for descriptor in descriptors], os.open(os.devnull, os.O_WRONLY)
-    try:
-        for descriptor in descriptors:
-            os.dup2(nowhere, descriptor)
-        yield
-    finally:
-        flush(None)
-        for descriptor, copy in zip(descriptors, kept, strict=True):
-            os.dup2(copy, descriptor)
-            os.close(copy)
-        os.close(nowhere)
-
-
-@cache
-def _pybullet() -> Any:
-    """The module, imported on first use: it takes a while and prints a banner."""
-    with _silent(1, 2):
-        import pybullet
-    return pybullet
 
 
 @dataclass(frozen=True)
@@ -107,25 +71,20 @@ class World:
         Raises:
             SimulationError: no connection, such as --gui without a display.
         """
-        self._bullet = _pybullet()
         self._field, self._arm, self._arm_in_rays = field, arm, arm_in_rays
-        try:
-            with _silent(1):
-                self._client: int = self._bullet.connect(self._bullet.GUI if gui else self._bullet.DIRECT)
-        except self._bullet.error as error:
-            raise SimulationError(f"pybullet cannot open a world: {error}") from error
-        if self._client < 0:
-            raise SimulationError("pybullet cannot open a world" + (" with a window" if gui else ""))
+        self._client = Client(gui=gui)
+        self._bullet = self._client.bullet
         self._obstacles = [
             self._body(obstacle, _OBSTACLE_COLOURS[index % len(_OBSTACLE_COLOURS)], solid=True)
             for index, obstacle in enumerate(field.obstacles)
         ]
+        self._turns = [quaternion(obstacle.rotation) for obstacle in field.obstacles]
         self._capsules: list[int] = []
         self._decorations: list[int] = []
         if arm_in_rays or gui:
             self._create_arm()
 
-    def __enter__(self) -> "World":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -134,23 +93,24 @@ class World:
         self.close()
 
     def close(self) -> None:
-        """Disconnect; further calls are errors, closing twice is not."""
-        if self._client >= 0:
-            with _silent(1):
-                self._bullet.disconnect(physicsClientId=self._client)
-            self._client = -1
+        """Disconnect; closing twice does nothing, any other call is then a SimulationError."""
+        self._client.close()
+
+    @property
+    def _id(self) -> dict[str, int]:
+        return self._client.keyword
 
     def place(self, time: float, poses: Array | None = None) -> None:
         """Move the obstacles to where they are at `time` [s], and the arm to body poses (B, 4, 4)."""
         positions = self._field.positions(time)
         for index, obstacle in enumerate(self._field.obstacles):
             if obstacle.motion is not None:
-                self._move(self._obstacles[index], positions[index], obstacle.rotation)
+                self._move(self._obstacles[index], positions[index], self._turns[index])
         if poses is not None and self._capsules:
             starts, ends = self._arm.axes(poses)
             for body, start, end in zip(self._capsules, starts, ends, strict=True):
                 rotation = axis_basis(end - start) if np.any(end != start) else np.eye(3)
-                self._move(body, 0.5 * (start + end), rotation)
+                self._move(body, 0.5 * (start + end), quaternion(rotation))
 
     def rays(self, origins: Array, ends: Array, carriers: NDArray[np.intp] | None = None) -> Array:
         """How far rays get.
@@ -201,7 +161,7 @@ class World:
             view.target, view.distance, view.yaw, view.pitch, 0.0, 2
         )
         lens = bullet.computeProjectionMatrixFOV(view.field_of_view, view.width / view.height, 0.05, 10.0)
-        with _silent(1):
+        with silent(1):
             _, _, pixels, _, _ = bullet.getCameraImage(
                 view.width,
                 view.height,
@@ -211,7 +171,7 @@ class World:
                 shadow=1,
                 renderer=bullet.ER_TINY_RENDERER,
                 flags=bullet.ER_NO_SEGMENTATION_MASK,
-                physicsClientId=self._client,
+                **self._id,
             )
         return np.asarray(pixels, dtype=np.uint8).reshape(view.height, view.width, 4)[:, :, :3].copy()
 
@@ -223,7 +183,7 @@ class World:
                 origins[first : first + _MAX_RAYS].tolist(),
                 ends[first : first + _MAX_RAYS].tolist(),
                 collisionFilterMask=mask,
-                physicsClientId=self._client,
+                **self._id,
             )
             fractions.extend(hit[2] if hit[0] >= 0 else 1.0 for hit in hits)
         return np.array(fractions)
@@ -232,14 +192,12 @@ class World:
         """Collision group of the capsules that one body carries."""
         return 2 << (body % (_ARM_BITS - 1))
 
-    def _move(self, body: int, position: Array, rotation: Array) -> None:
-        self._bullet.resetBasePositionAndOrientation(
-            body, position.tolist(), quaternion(rotation), physicsClientId=self._client
-        )
+    def _move(self, body: int, position: Array, turn: list[float]) -> None:
+        self._bullet.resetBasePositionAndOrientation(body, position.tolist(), turn, **self._id)
 
     def _body(self, obstacle: Obstacle, colour: Colour, *, solid: bool, group: int = _OBSTACLE_BIT) -> int:
         """A body without mass; one that is not `solid` is seen by the camera, but not by rays."""
-        bullet, client = self._bullet, {"physicsClientId": self._client}
+        bullet, client = self._bullet, self._id
         sizes = {
             "box": (bullet.GEOM_BOX, {"halfExtents": obstacle.half_size.tolist()}),
             "sphere": (bullet.GEOM_SPHERE, {"radius": obstacle.radius}),
@@ -289,21 +247,3 @@ class World:
             if target.size:
                 ball = Obstacle("target", "sphere", np.zeros(3), 0.02, 0.0, target, np.eye(3))
                 self._decorations.append(self._body(ball, _TARGET_COLOUR, solid=False))
-
-
-def quaternion(rotation: Array) -> list[float]:
-    """x, y, z, w of a rotation matrix, by the largest of the four (no division by a small number)."""
-    m = rotation
-    squares = np.array(
-        [1 + m[0, 0] - m[1, 1] - m[2, 2], 1 - m[0, 0] + m[1, 1] - m[2, 2], 1 - m[0, 0] - m[1, 1] + m[2, 2]]
-    )
-    trace = 1.0 + m[0, 0] + m[1, 1] + m[2, 2]
-    i = int(np.argmax(squares))
-    j, k = (i + 1) % 3, (i + 2) % 3
-    if trace > squares[i]:
-        xyzw = [m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1], trace]
-    else:
-        xyzw = [0.0, 0.0, 0.0, m[k, j] - m[j, k]]
-        xyzw[i], xyzw[j], xyzw[k] = squares[i], m[j, i] + m[i, j], m[k, i] + m[i, k]
-    unit = np.array(xyzw) / np.linalg.norm(xyzw)
-    return [float(component) for component in unit]

@@ -1,0 +1,7 @@
+"""The only place that knows pybullet: rays against obstacles and arm, pictures, a dynamic arm."""
+
+from proxgen.simulation.world.dynamic_arm import DynamicArm
+from proxgen.simulation.world.rotation import quaternion
+from proxgen.simulation.world.space import Camera, World
+
+__all__ = ["Camera", "DynamicArm", "World", "quaternion"]
