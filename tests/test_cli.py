@@ -15,7 +15,7 @@ from proxgen.errors import BuildError, ProxgenWarning
 
 ROOT = Path(__file__).parent.parent
 PLANAR2 = str(ROOT / "examples" / "planar2" / "planar2.yaml")
-VERBS = "build, check, compare, generate, run, schema"
+VERBS = "build, check, compare, generate, init, run, schema"
 
 RUN_KEYS = {
     "scene", "controller", "backend", "sensing", "seed", "duration_s", "cycles", "targets_reached",
@@ -231,6 +231,16 @@ def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.Capture
 def test_a_scene_for_another_arm_is_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["run", PLANAR2, "--scene", "gap", "--controller", "reference"]) == 2
     assert "7 joint positions for an arm with 2 joints (joint_1, joint_2)" in capsys.readouterr().err
+
+
+def test_init_writes_a_file_that_check_accepts(capsys: pytest.CaptureFixture[str]) -> None:
+    urdf = str(ROOT / "examples" / "planar2" / "planar2.urdf")
+    assert main(["init", urdf, "--tool", "tool", "-o", "arm/arm.yaml"]) == 0
+    assert capsys.readouterr().out.splitlines()[0] == "wrote arm/arm.yaml and arm/arm_scene.yaml"
+    assert main(["check", "arm/arm.yaml"]) == 0
+    assert main(["check", "arm/arm_scene.yaml"]) == 0
+    assert main(["init", urdf, "--tool", "tool", "-o", "arm/arm.yaml"]) == 2
+    assert "the file exists already" in capsys.readouterr().err
 
 
 @pytest.mark.slow

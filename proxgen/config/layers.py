@@ -6,8 +6,9 @@ whose items have names (capsules, cuffs, obstacles) item by item; every other va
 
 from pathlib import Path
 
+from proxgen.config.paths import did_you_mean, is_file
 from proxgen.config.yaml_lines import Document, Node, parse_yaml, read_yaml
-from proxgen.errors import Problem, nearest_name, unknown_name
+from proxgen.errors import Problem, unknown_name
 
 EXTENDS = "extends"
 
@@ -59,10 +60,8 @@ def _read_base(item: Node, path: Path, chain: tuple[Path, ...]) -> Document | st
             return f"{unknown_name('preset', name, preset_names())}; a file is named with its ending, .yaml"
         return parse_yaml((PRESETS / f"{name}.yaml").read_text(encoding="utf-8"), Path(f"preset {name}"))
     file = path.parent / name
-    if not file.is_file():
-        neighbours = [entry.name for entry in file.parent.glob("*.y*ml")] if file.parent.is_dir() else []
-        nearest = nearest_name(file.name, neighbours)
-        return f"the file '{name}' does not exist{f'; did you mean {nearest!r}?' if nearest else ''}"
+    if not is_file(file):
+        return f"the file '{name}' does not exist{did_you_mean(file, Path(name))}"
     if any(file.resolve() == other.resolve() for other in chain):
         return f"the file '{name}' extends itself ({' -> '.join(f'{other}' for other in (*chain, file))})"
     return _with_bases(read_yaml(file), file, (*chain, file))

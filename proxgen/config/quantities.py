@@ -59,7 +59,7 @@ class Quantity:
             ValueError: not a number, a unit that does not measure this kind of quantity, or out of range.
         """
         if isinstance(value, bool) or not isinstance(value, int | float | str):
-            raise ValueError(f"expected a {self.kind}{self._how()}, found {describe_value(value)}")
+            raise ValueError(f"expected {self._a_kind()}{self._how()}, found {describe_value(value)}")
         number, unit = self._split(value)
         try:
             si = float(number) * self.units.get(unit, 1.0)
@@ -80,14 +80,18 @@ class Quantity:
             return value, self.si_unit
         match = _NUMBER_AND_UNIT.match(value)
         if match is None:
-            raise ValueError(f"expected a {self.kind}{self._how()}, found {describe_value(value)}")
+            raise ValueError(f"expected {self._a_kind()}{self._how()}, found {describe_value(value)}")
         number, unit = match.groups()
         if unit and unit not in self.units:
             allowed = (
                 f"allowed: {', '.join(self.units)}" if self.units else "allowed: none, it is a pure number"
             )
-            raise ValueError(f"unit '{unit}' does not measure a {self.kind} ({allowed})")
+            raise ValueError(f"unit '{unit}' does not measure {self._a_kind()} ({allowed})")
         return number, unit or self.si_unit
+
+    def _a_kind(self) -> str:
+        """The kind with its article."""
+        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}"
 
     def _how(self) -> str:
         """In which form the quantity may be written."""
@@ -170,7 +174,7 @@ class Count(Quantity):
     def parse(self, value: Any) -> int:
         """Turn a YAML scalar into an int; the rules of `Quantity.parse`, without fractions."""
         if isinstance(value, bool) or not isinstance(value, int):
-            raise ValueError(f"expected a {self.kind}, found {describe_value(value)}")
+            raise ValueError(f"expected {self._a_kind()}, found {describe_value(value)}")
         super().parse(value)
         return value
 

@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag
 from proxgen.config.layers import read_layers
 from proxgen.config.loader import validate
 from proxgen.config.origin import Origin
+from proxgen.config.paths import is_file
 from proxgen.config.quantities import Angle, JointPosition, Length, Speed, Time
 from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
 from proxgen.errors import ConfigError, Problem, nearest_name, unknown_name
@@ -201,7 +202,7 @@ def _find_scene(name: str, beside: Path | None) -> Path:
     """The file of a scene given by its name."""
     for folder in scene_folders(beside):
         path = folder / f"{name}.yaml"
-        if path.is_file() and path != beside:
+        if is_file(path) and path != beside:
             return path
     names = scene_names(beside)
     message = unknown_name("scene", name, names)

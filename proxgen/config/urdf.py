@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from proxgen.config.paths import did_you_mean, is_file, is_folder
 from proxgen.errors import ModelError, nearest_name, unknown_name
 
 PACKAGE = "package://"
@@ -50,18 +51,12 @@ def resolve_urdf(name: str, folder: Path) -> Path:
     """
     if name.startswith(PACKAGE):
         return resolve_package(name)
-    path = folder / Path(name).expanduser()
-    try:
-        if path.is_file():
-            return path.resolve()
-        candidates = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-    except (OSError, ValueError) as error:
-        raise ModelError(f"the path '{name}' cannot be used: {error}") from error
-    if path.is_dir():
+    path = folder / name
+    if is_file(path):
+        return path.resolve()
+    if is_folder(path):
         raise ModelError(f"'{name}' is a folder; a URDF file is needed")
-    nearest = nearest_name(path.name, candidates)
-    hint = f"; did you mean '{PurePosixPath(name).parent / nearest}'?" if nearest else ""
-    raise ModelError(f"the file '{name}' does not exist{hint} (looked for {path})")
+    raise ModelError(f"the file '{name}' does not exist{did_you_mean(path, Path(name))} (looked for {path})")
 
 
 def resolve_package(uri: str) -> Path:
@@ -79,7 +74,7 @@ def resolve_package(uri: str) -> Path:
         raise ModelError(f"'{uri}' is not of the form package://PACKAGE/path/to/file")
     roots = list(_import_folders(package))
     for root in roots:
-        if (root / inner).is_file():
+        if is_file(root / inner):
             return (root / inner).resolve()
     try:
         distribution = importlib.metadata.distribution(package)
@@ -94,7 +89,7 @@ def resolve_package(uri: str) -> Path:
     matches.sort(key=lambda file: (not _lies_in(file, package), len(file.parts)))
     for match in matches:
         path = Path(str(match.locate()))
-        if path.is_file():
+        if is_file(path):
             return path.resolve()
     suffix = PurePosixPath(inner).suffix
     names = {file.name: file.as_posix() for file in files if file.suffix == suffix}

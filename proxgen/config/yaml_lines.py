@@ -13,7 +13,8 @@ from typing import Any
 import yaml
 
 from proxgen.config.origin import Mark
-from proxgen.errors import Problem, nearest_name
+from proxgen.config.paths import did_you_mean
+from proxgen.errors import Problem
 
 MAX_VALUES = 100_000
 """Aliases of aliases can stand for more values than a memory holds; no honest file comes near this."""
@@ -95,7 +96,7 @@ def read_yaml(path: Path) -> Document:
     try:
         content = path.read_bytes()
     except FileNotFoundError:
-        return Document(None, [Problem(path, 0, "", f"the file does not exist{_similar_file(path)}")])
+        return Document(None, [Problem(path, 0, "", f"the file does not exist{did_you_mean(path)}")])
     except IsADirectoryError:
         return Document(None, [Problem(path, 0, "", "this is a folder; a YAML file is needed")])
     except (OSError, ValueError) as error:
@@ -238,13 +239,3 @@ def _syntax_problem(error: yaml.MarkedYAMLError, file: Path) -> Problem:
     elif error.context and error.problem and error.context_mark:
         message += f" ({error.context}, which begins in line {error.context_mark.line + 1})"
     return Problem(file, mark.line + 1 if mark else 0, "", message)
-
-
-def _similar_file(path: Path) -> str:
-    """A hint if the folder has a file of nearly this name."""
-    try:
-        names = [entry.name for entry in path.parent.iterdir()]
-    except OSError:
-        return ""
-    nearest = nearest_name(path.name, names)
-    return f"; did you mean '{path.parent / nearest}'?" if nearest else ""

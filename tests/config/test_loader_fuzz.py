@@ -1,6 +1,7 @@
 """Whatever a file holds, the loader returns a configuration or raises a ConfigError with words in it."""
 
 import copy
+import json
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from proxgen.config import load
 from proxgen.config.loader import validate
 from proxgen.config.origin import Origin
-from proxgen.config.scene import Scene
+from proxgen.config.scene import Scene, load_scene
 from proxgen.config.schema import Config
 from proxgen.config.yaml_lines import parse_yaml
 from proxgen.errors import ConfigError, Problem
@@ -100,6 +101,37 @@ def test_a_file_with_other_values(data: st.DataObject) -> None:
     config, problems = validate(content, Config, Origin(FILE))
     if config is None:
         assert_in_words(problems, 0)
+
+
+NAMES = st.text(max_size=20) | st.sampled_from(
+    [
+        "~nobody/arm.urdf",
+        "package://",
+        "package://a/b",
+        "package://../a",
+        "x" * 5000 + ".yaml",
+        "a\0.yaml",
+        "/",
+        ".",
+    ]
+)
+
+
+@given(urdf=NAMES, base=NAMES | VALUES)
+def test_any_names_of_other_files(tmp_path_factory: pytest.TempPathFactory, urdf: str, base: Any) -> None:
+    content = yaml.safe_load(ROBOT)
+    content["robot"]["urdf"], content["extends"] = urdf, base
+    file = tmp_path_factory.getbasetemp() / "names.yaml"
+    file.write_text(json.dumps(content))
+    with pytest.raises(ConfigError) as caught:
+        load(file)
+    assert_in_words(caught.value.problems, 1)
+
+
+@given(NAMES)
+def test_any_name_of_a_scene(name: str) -> None:
+    with pytest.raises(ConfigError):
+        load_scene(name, beside=Path("robot.yaml"))
 
 
 @given(VALUES)

@@ -73,6 +73,7 @@ def test_units_are_understood(quantity: Quantity, value: Any, expected: float) -
             "expected a length (a number in m, or with one of the units m, cm, mm), found 'wide'",
         ),
         (Number(), None, "expected a number, found nothing"),
+        (Angle(), "3 m", "unit 'm' does not measure an angle (allowed: rad, deg)"),
         (Number(), True, "expected a number, found true"),
         (Number(), [1], "expected a number, found a list of 1"),
         (Number(), {}, "expected a number, found a mapping"),
