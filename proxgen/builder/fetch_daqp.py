@@ -5,7 +5,6 @@ brings is checked against the digest that this version of proxgen was tested wit
 """
 
 import hashlib
-import shutil
 import sys
 import tarfile
 import tempfile
@@ -29,19 +28,24 @@ def fetch(directory: Path | None = None) -> bool:
         BuildError: pip cannot get them, or they are not what they should be.
     """
     directory = directory or daqp_directory()
-    if (directory / "csrc" / "include" / "daqp.h").is_file():
+    if _is_there(directory):
         return False
-    directory.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=directory.parent, prefix=".daqp-") as folder:
-        archive = _download(Path(folder))
-        unpacked = Path(folder) / "unpacked"
-        _unpack(archive, unpacked)
-        try:
+    try:
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=directory.parent, prefix=".daqp-") as folder:
+            unpacked = _unpack(_download(Path(folder)), Path(folder))
             unpacked.replace(directory)
-        except OSError as error:
-            if not (directory / "csrc" / "include" / "daqp.h").is_file():  # else another process was faster
-                raise BuildError(f"cannot write {directory}: {error.strerror or error}") from error
+    except OSError as error:
+        if not _is_there(directory):  # else another process was faster
+            raise BuildError(
+                f"cannot write {directory}: {error.strerror or error}; PROXGEN_DAQP_SOURCE may name another folder"
+            ) from error
     return True
+
+
+def _is_there(directory: Path) -> bool:
+    """Whether a folder holds DAQP's sources."""
+    return (directory / "csrc" / "include" / "daqp.h").is_file()
 
 
 def _download(folder: Path) -> Path:
@@ -59,13 +63,13 @@ def _download(folder: Path) -> Path:
     return archive
 
 
-def _unpack(archive: Path, target: Path) -> None:
-    """Unpack `csrc/` and LICENSE of the archive."""
+def _unpack(archive: Path, folder: Path) -> Path:
+    """Unpack `csrc/` and LICENSE of the archive; returns the folder that holds them."""
     top = f"daqp-{DAQP_VERSION}"
     with tarfile.open(archive) as tar:
         members = [m for m in tar if m.name == f"{top}/LICENSE" or m.name.startswith(f"{top}/csrc/")]
-        tar.extractall(target.parent / "tar", members, filter="data")
-    shutil.move(target.parent / "tar" / top, target)
+        tar.extractall(folder / "unpacked", members, filter="data")
+    return folder / "unpacked" / top
 
 
 if __name__ == "__main__":

@@ -87,7 +87,7 @@ def test_fetching_unpacks_sources_and_licence_only(monkeypatch: pytest.MonkeyPat
         "LICENSE",
         "csrc/include/daqp.h",
     ]
-    assert [path.name for path in target.parent.iterdir()] == ["daqp"]
+    assert [path.name for path in target.parent.iterdir()] == ["daqp"], "nothing temporary is left"
     assert f"daqp=={DAQP_VERSION}" in commands[0] and "--no-deps" in commands[0]
 
 
@@ -96,6 +96,15 @@ def test_fetching_twice_does_nothing(monkeypatch: pytest.MonkeyPatch, tmp_path: 
     assert fetch(tmp_path / "daqp")
     assert not fetch(tmp_path / "daqp")
     assert len(commands) == 1
+
+
+def test_a_place_that_cannot_be_written_is_an_error_of_ours(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    pretend_pip(monkeypatch, ARCHIVE, ARCHIVE)
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(BuildError, match="PROXGEN_DAQP_SOURCE may name another folder"):
+        fetch(tmp_path / "file" / "daqp")
 
 
 def test_an_archive_that_is_not_the_known_one_is_refused(
