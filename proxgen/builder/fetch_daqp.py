@@ -38,7 +38,8 @@ def fetch(directory: Path | None = None) -> bool:
     except OSError as error:
         if not _is_there(directory):  # else another process was faster
             raise BuildError(
-                f"cannot write {directory}: {error.strerror or error}; PROXGEN_DAQP_SOURCE may name another folder"
+                f"cannot write {directory}: {error.strerror or error}; "
+                "PROXGEN_DAQP_SOURCE may name another folder"
             ) from error
     return True
 
@@ -67,8 +68,13 @@ def _unpack(archive: Path, folder: Path) -> Path:
     """Unpack `csrc/` and LICENSE of the archive; returns the folder that holds them."""
     top = f"daqp-{DAQP_VERSION}"
     with tarfile.open(archive) as tar:
-        members = [m for m in tar if m.name == f"{top}/LICENSE" or m.name.startswith(f"{top}/csrc/")]
-        tar.extractall(folder / "unpacked", members, filter="data")
+        for member in tar:
+            wanted = member.name == f"{top}/LICENSE" or member.name.startswith(f"{top}/csrc/")
+            content = tar.extractfile(member) if wanted and member.isfile() else None
+            if content is not None:
+                target = folder / "unpacked" / member.name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                target.write_bytes(content.read())
     return folder / "unpacked" / top
 
 
