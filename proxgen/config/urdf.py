@@ -85,16 +85,14 @@ def resolve_package(uri: str) -> Path:
         files: list[importlib.metadata.PackagePath] = []
     else:
         files = list(distribution.files or ())
-    matches = [file for file in files if file.as_posix() == inner or file.as_posix().endswith(f"/{inner}")]
-    matches.sort(key=lambda file: (not _lies_in(file, package), len(file.parts)))
-    for match in matches:
-        path = Path(str(match.locate()))
-        if is_file(path):
+    files.sort(key=lambda file: (not _below(file, package), len(file.parts)))
+    for file in files:
+        if f"/{file.as_posix()}".endswith(f"/{inner}") and is_file(path := Path(str(file.locate()))):
             return path.resolve()
     suffix = PurePosixPath(inner).suffix
-    names = {file.name: file.as_posix() for file in files if file.suffix == suffix}
+    names = {file.name: file for file in reversed(files) if file.suffix == suffix}
     nearest = nearest_name(PurePosixPath(inner).name, names)
-    hint = f"; did you mean '{names[nearest]}'?" if nearest else ""
+    hint = f"; did you mean '{_below(names[nearest], package) or names[nearest]}'?" if nearest else ""
     raise ModelError(f"the Python package '{package}' has no file '{inner}'{hint}")
 
 
@@ -106,10 +104,13 @@ def _import_folders(package: str) -> Iterator[Path]:
             yield from map(Path, spec.submodule_search_locations or ())
 
 
-def _lies_in(file: PurePosixPath, package: str) -> bool:
-    """Whether a folder above the file has the package's name; `-` and `_` are the same."""
+def _below(file: PurePosixPath, package: str) -> str:
+    """The rest of a path below the folder of the package's name (`-` and `_` are the same); empty if none."""
     canonical = re.sub(r"[-_.]+", "-", package).lower()
-    return any(re.sub(r"[-_.]+", "-", part).lower() == canonical for part in file.parts[:-1])
+    for index, part in enumerate(file.parts[:-1]):
+        if re.sub(r"[-_.]+", "-", part).lower() == canonical:
+            return PurePosixPath(*file.parts[index + 1 :]).as_posix()
+    return ""
 
 
 def read_names(path: Path) -> UrdfNames:

@@ -72,7 +72,7 @@ def test_files_of_packages_are_found_without_importing_them(site: Path, uri: str
         (
             "package://data-of-robots/robots/arm/arn.urdf",
             "the Python package 'data-of-robots' has no file 'robots/arm/arn.urdf'; did you mean "
-            "'cmeel.prefix/share/other/robots/arm/arm.urdf'?",
+            "'robots/arm/arm.urdf'?",
         ),
         (
             "package://data-of-robots/robots/arm/gone.urdf",
