@@ -4,6 +4,9 @@ import numpy as np
 
 from proxgen.model.robot_model import Array
 
+SNAP = 1e-11
+"""Rotation entries smaller than this are rounding of the URDF's decimals, and are set to zero."""
+
 
 def axis_basis(axis: Array) -> Array:
     """Right-handed frame whose third column is along `axis`.
@@ -22,3 +25,25 @@ def axis_basis(axis: Array) -> Array:
     first = seed - (seed @ third) * third
     first /= np.linalg.norm(first)
     return np.column_stack([first, np.cross(third, first), third])
+
+
+def snapped(rotation: Array) -> Array:
+    """A rotation matrix without the off-zeros below `SNAP`, orthonormal to rounding error again.
+
+    Orthonormal it must be: with columns that are 1e-11 too long, two right ways to compute a Jacobian differ
+    by as much.
+    """
+    zero = np.abs(rotation) < SNAP
+    if not rotation[zero].any():
+        return np.array(rotation)
+    clean: Array = np.where(zero, 0.0, rotation)
+    for _ in range(2):  # Newton's iteration for the nearest rotation; two steps go far beyond rounding error
+        clean = np.where(zero, 0.0, 1.5 * clean - 0.5 * _product(clean, _product(clean.T, clean)))
+    # Zeros that do not go together, as one entry of a pair lies just above SNAP: leave the matrix as it is.
+    return clean if np.abs(_product(clean.T, clean) - np.eye(3)).max() < 4e-15 else np.array(rotation)
+
+
+def _product(left: Array, right: Array) -> Array:
+    """Product of two small matrices, summed in one order on every machine: generated code depends on it."""
+    product: Array = (left[:, :, None] * right[None]).sum(axis=1)
+    return product

@@ -11,10 +11,8 @@ import pinocchio as pin
 
 from proxgen.config.schema import Config
 from proxgen.errors import ModelError, Problem, nearest_name, unknown_name
+from proxgen.model.frames import snapped
 from proxgen.model.robot_model import Array, Drive
-
-SNAP = 1e-11
-"""Rotation entries smaller than this are rounding of the URDF's decimals, and are set to zero."""
 
 LINK = "/link"
 """Ending of a link's frame in the Pinocchio model, where a joint has the same name."""
@@ -248,12 +246,6 @@ def _snap(model: Any) -> None:
         placement = model.frames[index].placement
         placement.rotation = snapped(placement.rotation)
         model.frames[index].placement = placement
-
-
-def snapped(rotation: Array) -> Array:
-    """A rotation matrix without the off-zeros below `SNAP`; entries next to +-1 become +-1."""
-    clean = np.where(np.abs(rotation) < SNAP, 0.0, rotation)
-    return np.where(np.abs(np.abs(clean) - 1.0) < SNAP, np.sign(clean), clean)
 
 
 def drives(urdf: Urdf, reduced: Any, controlled: list[str]) -> tuple[Drive, ...]:

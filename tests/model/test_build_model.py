@@ -1,5 +1,6 @@
 """URDF and configuration to RobotModel."""
 
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +12,8 @@ from proxgen.config import load
 from proxgen.config.schema import Config
 from proxgen.errors import ConfigError
 from proxgen.model import RobotModel, build_model
+from proxgen.model.frames import snapped
 from proxgen.model.kinematics import body_poses, to_pin, tool_pose
-from proxgen.model.urdf import snapped
 
 
 def test_iiwa_has_the_published_reach_and_limits(iiwa7_model: RobotModel) -> None:
@@ -97,6 +98,16 @@ def test_snapping_removes_only_rounding() -> None:
     assert np.array_equal(snapped(nearly), exact)
     meant = pin.rpy.rpyToMatrix(1.5707, 0.0, 0.0)
     assert np.array_equal(snapped(meant), meant)
+
+
+def test_snapped_rotations_stay_rotations() -> None:
+    """As in the xArm's URDF: 1.5708 leaves products of 1.3e-11, and entries that differ from 1 by 7e-12."""
+    angles = (0.0, 1.5708, -1.5708, 3.14159, 1.57079632679, 3.1415926535, 0.3, 8e-12, 1.2e-11)
+    for rpy in product(angles, repeat=3):
+        raw = pin.rpy.rpyToMatrix(*rpy)
+        clean = snapped(raw)
+        np.testing.assert_allclose(clean.T @ clean, np.eye(3), rtol=0, atol=5e-15)
+        np.testing.assert_allclose(clean, raw, rtol=0, atol=2e-11)
 
 
 @pytest.mark.parametrize(
