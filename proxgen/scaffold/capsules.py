@@ -43,21 +43,25 @@ class CapsuleProposal:
 def propose_capsules(bodies: tuple[ArmBody, ...]) -> list[CapsuleProposal]:
     """A capsule for each moving body with collision geometry.
 
-    If no body has any, each gets the line from its joint to the next one, without a radius: the user has to
-    say how thick the links are.
+    If no body has any, the long ones get the line from their joint to the next one, without a radius: the
+    user has to say how thick they are.
     """
-    names = distinct(body.link for body in bodies)
-    solid = any(body.cloud is not None for body in bodies)
+    named = list(zip(range(len(bodies)), distinct(body.link for body in bodies), bodies, strict=True))
     proposals = []
-    for index, (body, name) in enumerate(zip(bodies, names, strict=True)):
+    for index, name, body in named:
         if body.cloud is not None:
             fitted = rounded(body.cloud, body.outlet)
             note = f"without geometry: {', '.join(body.bare)}" if body.bare else ""
-            place = (name, index, body.link, fitted.start, fitted.end)
-            proposals.append(CapsuleProposal(*place, fitted.radius, note))
-        elif not solid:
-            proposals.append(CapsuleProposal(name, index, body.link, np.zeros(3), body.outlet, None, ""))
-    return proposals
+            ends = fitted.start, fitted.end
+            proposals.append(CapsuleProposal(name, index, body.link, *ends, fitted.radius, note))
+    if proposals:
+        return proposals
+    lengths = [float(np.linalg.norm(body.outlet)) for body in bodies]
+    return [
+        CapsuleProposal(name, index, body.link, np.zeros(3), np.round(body.outlet, 4) + 0.0, None, "")
+        for index, name, body in named
+        if lengths[index] >= 0.1 * max(lengths)
+    ]
 
 
 def rounded(cloud: Cloud, outlet: Array) -> FittedCapsule:
@@ -67,7 +71,10 @@ def rounded(cloud: Cloud, outlet: Array) -> FittedCapsule:
     ends = [np.round(end, digits) + 0.0 for end in (fitted.start, fitted.end)]
     if fitted.length < 0.01 * fitted.radius:
         ends = [ends[0], ends[0]]
-    elif (ends[1] - ends[0]) @ (outlet - 0.5 * (ends[0] + ends[1])) < 0.0:
-        ends.reverse()
+    else:
+        middle = 0.5 * (ends[0] + ends[1])
+        onwards = outlet - middle if float(np.linalg.norm(outlet)) > 0.2 * fitted.length else middle
+        if (ends[1] - ends[0]) @ onwards < 0.0:
+            ends.reverse()
     radius = enclosing(cloud, *ends).radius
     return FittedCapsule(ends[0], ends[1], math.ceil(radius * 10**digits - 1e-6) / 10**digits)

@@ -55,7 +55,8 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     capsules = propose_capsules(arm.bodies)
     scale = float(np.clip(np.floor(4.0 * arm.size + 0.5) / 4.0, 0.25, 1.0))
     solid = all(capsule.radius is not None for capsule in capsules)
-    sheet = Sheet(name, str(path), urdf, ("x", "y", "z"), solid, scale)
+    blanks = _blanks(arm, capsules)
+    sheet = Sheet(name, str(path), ("x", "y", "z"), solid, not blanks, scale)
     model = _draft_model(render_robot(sheet, arm, capsules, [], Stopgaps()))
     rows = task_rows(model)
     start = start_posture(model, rows)
@@ -69,7 +70,9 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     }
     _draft_model(render_robot(replace(sheet, urdf=str(path)), arm, capsules, cuffs, Stopgaps()))
     _write(texts)
-    _tell_blanks(output, arm, capsules)
+    if blanks:
+        message = f"{output}: fill in what the URDF does not say, at FILL IN: {', '.join(blanks)}"
+        warnings.warn(message, ProxgenWarning, stacklevel=2)
     return output
 
 
@@ -119,11 +122,8 @@ def _write(texts: Mapping[Path, str]) -> None:
             temporary.unlink(missing_ok=True)
 
 
-def _tell_blanks(output: Path, arm: Arm, capsules: list[CapsuleProposal]) -> None:
-    """Warn of what the user has to fill in."""
+def _blanks(arm: Arm, capsules: list[CapsuleProposal]) -> list[str]:
+    """Keys of what the user has to fill in."""
     blanks = [f"limits.position.{joint.name}" for joint in arm.joints if joint.needs_position]
     blanks += [f"limits.velocity.{joint.name}" for joint in arm.joints if joint.needs_velocity]
-    blanks += [f"capsules.{index}.radius" for index, capsule in enumerate(capsules) if capsule.radius is None]
-    if blanks:
-        message = f"{output}: fill in what the URDF does not say, at FILL IN: {', '.join(blanks)}"
-        warnings.warn(message, ProxgenWarning, stacklevel=3)
+    return blanks + [f"capsules.{k}.radius" for k, capsule in enumerate(capsules) if capsule.radius is None]

@@ -9,21 +9,22 @@ from proxgen.config.schema import RESERVED_NAMES
 MAX_LENGTH = 40
 
 
-def identifier(text: str) -> str:
+def identifier(text: str, prefix: str = "part") -> str:
     """A lower-case identifier: letters, digits and underscores, a letter first.
 
-    Accents are dropped, every other character becomes an underscore; the result has at most 40 characters.
+    Accents are dropped, every other character becomes an underscore; what would not begin with a letter gets
+    the prefix; the result has at most 40 characters.
     """
     plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode().lower()
     name = re.sub(r"[^a-z0-9]+", "_", plain).strip("_")
     if not name or not name[0].isalpha():
-        name = f"part_{name}".rstrip("_")
+        name = f"{prefix}_{name}".rstrip("_")
     return name[:MAX_LENGTH].rstrip("_")
 
 
 def robot_name(text: str) -> str:
     """An identifier that can be the prefix of C symbols."""
-    name = identifier(text)
+    name = identifier(text, "robot")
     return f"{name[: MAX_LENGTH - 6]}_robot" if name in RESERVED_NAMES else name
 
 

@@ -29,17 +29,17 @@ class Sheet:
     Attributes:
         robot: name, an identifier.
         urdf: as it is written in the file.
-        urdf_shown: as the user gave it.
         rows: the task's position rows.
         solid: whether the URDF has any collision geometry on moving links.
+        complete: whether the URDF says everything that is needed.
         scale: 1 for an arm of a metre or more, less for a smaller one.
     """
 
     robot: str
     urdf: str
-    urdf_shown: str
     rows: tuple[str, ...]
     solid: bool
+    complete: bool
     scale: float
 
     @property
@@ -73,15 +73,15 @@ class Blanks:
 
     def position(self, joint: ArmJoint) -> str:
         """Position limits that only the user knows."""
-        return f"  # FILL IN: [lower, upper] in {joint.unit}"
+        return f"# FILL IN: [lower, upper] in {joint.unit}"
 
     def velocity(self, joint: ArmJoint) -> str:
         """A velocity limit that only the user knows."""
-        return f"  # FILL IN: in {joint.unit}/s"
+        return f"# FILL IN: in {joint.unit}/s"
 
     def radius(self, capsule: CapsuleProposal) -> str:
         """A capsule's radius, or the question for it."""
-        return number(capsule.radius) if capsule.radius is not None else "  # FILL IN: in m"
+        return number(capsule.radius) if capsule.radius is not None else "# FILL IN: in m"
 
 
 class Stopgaps(Blanks):
