@@ -22,7 +22,7 @@ _OBSTACLE_COLOURS: tuple[Colour, ...] = (
     (0.86, 0.58, 0.25, 1.0),
     (0.62, 0.36, 0.60, 1.0),
 )
-_ARM_COLOURS: tuple[Colour, ...] = ((0.95, 0.55, 0.10, 1.0), (0.75, 0.76, 0.78, 1.0))
+_ARM_COLOURS: tuple[Colour, ...] = ((0.13, 0.42, 0.66, 1.0), (0.80, 0.82, 0.85, 1.0))
 _TARGET_COLOUR: Colour = (0.15, 0.60, 0.25, 1.0)
 _FLOOR_COLOUR: Colour = (0.93, 0.93, 0.91, 1.0)
 _OBSTACLE_BIT = 1
