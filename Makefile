@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint golden golden-check constraints clean
+.PHONY: help setup demo test lint golden golden-check images constraints clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -55,6 +55,9 @@ golden-check: setup  ## regenerate into a temporary folder; fail if generated/ d
 	  $(BIN)/proxgen generate examples/$$robot/$$robot.yaml -o "$$fresh/$$robot"; \
 	done; \
 	diff -r generated "$$fresh" || { echo "generated/ is out of date: run make golden and commit" >&2; exit 1; }
+
+images: setup  ## draw the documentation's pictures anew, from a run
+	@$(BIN)/python docs/images/make.py
 
 constraints:  ## renew constraints.txt: resolve all dependencies anew in an empty environment
 	@fresh=$$(mktemp -d); trap 'rm -rf "$$fresh"' EXIT; \
