@@ -1,1 +1,1 @@
-"""simulation."""
+"""Simulated arms in scenes: sensors, plants, the closed loop; pybullet is loaded where it is first needed."""

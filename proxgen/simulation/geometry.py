@@ -31,14 +31,13 @@ class Nearest(NamedTuple):
 
 def dot(a: Array, b: Array) -> Array:
     """Scalar product over the last dimension."""
-    product: Array = (a * b).sum(axis=-1)
+    product: Array = np.einsum("...i,...i->...", a, b)
     return product
 
 
 def norm(a: Array) -> Array:
     """Length over the last dimension."""
-    length: Array = np.sqrt((a * a).sum(axis=-1))
-    return length
+    return np.sqrt(dot(a, a))
 
 
 def along_segment(points: Array, starts: Array, ends: Array) -> Array:
@@ -53,10 +52,8 @@ def along_segment(points: Array, starts: Array, ends: Array) -> Array:
         (...,) t.
     """
     direction = ends - starts
-    t: Array = np.clip(
-        dot(points - starts, direction) / np.maximum(dot(direction, direction), _TINY), 0.0, 1.0
-    )
-    return t
+    t = dot(points - starts, direction) / np.maximum(dot(direction, direction), _TINY)
+    return np.minimum(np.maximum(t, 0.0), 1.0)
 
 
 def _round_solid(centres: Array, radii: Array, points: Array) -> Nearest:
@@ -208,18 +205,10 @@ def segment_to_box(starts: Array, ends: Array, half_sizes: Array) -> Nearest:
     shape = starts.shape
     starts, ends, half_sizes = starts.reshape(-1, 3), ends.reshape(-1, 3), half_sizes.reshape(-1, 3)
     direction = ends - starts
-    faces = np.stack([half_sizes, -half_sizes], axis=1)  # (K, 2, 3)
-    steep = np.abs(direction) > 1e-15
-    kinks = np.where(
-        steep[:, None], (faces - starts[:, None]) / np.where(steep, direction, 1.0)[:, None], 0.0
-    ).reshape(len(starts), 6)
-    limits = np.broadcast_to(np.array([0.0, 1.0]), (len(starts), 2))
-    t = np.sort(np.concatenate([limits, np.clip(kinks, 0.0, 1.0)], axis=1), axis=1)  # (K, 8)
-    slope = _half_slope(starts, direction, half_sizes, t)
-    lower = _crossing(t, slope, strict=True)
-    upper = _crossing(t, slope, strict=False)
+    t = _kinks(starts, direction, half_sizes)
+    lower, upper = _root(t, _half_slope(starts, direction, half_sizes, t))
     points = starts + (0.5 * (lower + upper))[:, None] * direction
-    nearest = np.clip(points, -half_sizes, half_sizes)
+    nearest = np.minimum(np.maximum(points, -half_sizes), half_sizes)
     distance = norm(points - nearest)
     inside = distance < 1e-12
     if inside.any():
@@ -227,25 +216,41 @@ def segment_to_box(starts: Array, ends: Array, half_sizes: Array) -> Nearest:
     return Nearest(nearest.reshape(shape), distance.reshape(shape[:-1]))
 
 
+def _kinks(starts: Array, direction: Array, half_sizes: Array) -> Array:
+    """Ends of the segments and where they cross the planes of the faces, (K, 8), rising, in [0, 1]."""
+    steep = np.abs(direction) > 1e-15
+    step = np.where(steep, direction, 1.0)
+    t = np.zeros((len(starts), 8))
+    t[:, 0:3] = np.where(steep, (half_sizes - starts) / step, 0.0)
+    t[:, 3:6] = np.where(steep, (-half_sizes - starts) / step, 0.0)
+    t[:, 7] = 1.0
+    t = np.minimum(np.maximum(t, 0.0), 1.0)
+    t.sort(axis=1)
+    return t
+
+
 def _half_slope(starts: Array, direction: Array, half_sizes: Array, t: Array) -> Array:
     """Slope g at every t (K, T): half the derivative of the squared distance to the box."""
     points = starts[:, None] + t[..., None] * direction[:, None]
-    excess = np.sign(points) * np.maximum(np.abs(points) - half_sizes[:, None], 0.0)
-    slope = dot(excess, np.broadcast_to(direction[:, None], excess.shape))
+    half = half_sizes[:, None]
+    excess = points - np.minimum(np.maximum(points, -half), half)
+    slope: Array = (excess @ direction[:, :, None])[..., 0]
     rounding = _EXCESS_ROUNDING * norm(direction)[:, None]  # else a flat stretch would end at its own noise
-    return np.where(np.abs(slope) <= rounding, 0.0, slope)
+    slope[np.abs(slope) <= rounding] = 0.0
+    return slope
 
 
-def _crossing(t: Array, slope: Array, strict: bool) -> Array:
-    """Where a rising, piecewise linear function reaches 0 (`strict`) or leaves it; an end if never."""
-    below = slope < 0.0 if strict else slope <= 0.0
-    count = below.sum(axis=1)
-    left = np.clip(count - 1, 0, t.shape[1] - 2)[:, None]
-    t0, t1 = np.take_along_axis(t, left, 1)[:, 0], np.take_along_axis(t, left + 1, 1)[:, 0]
-    g0, g1 = np.take_along_axis(slope, left, 1)[:, 0], np.take_along_axis(slope, left + 1, 1)[:, 0]
-    fraction = np.clip(-g0 / np.where(g1 > g0, g1 - g0, 1.0), 0.0, 1.0)
-    between: Array = t0 + fraction * (t1 - t0)
-    return np.where(count == 0, t[:, 0], np.where(count == t.shape[1], t[:, -1], between))
+def _root(t: Array, slope: Array) -> tuple[Array, Array]:
+    """Where a rising, piecewise linear function reaches 0 and where it leaves it; an end if it never does."""
+    rows, last = np.arange(len(t)), t.shape[1] - 1
+    count = np.stack([(slope < 0.0).sum(axis=1), (slope <= 0.0).sum(axis=1)])
+    left = np.minimum(np.maximum(count - 1, 0), last - 1)
+    t0, g0 = t[rows, left], slope[rows, left]
+    rise = slope[rows, left + 1] - g0
+    fraction = np.minimum(np.maximum(-g0 / np.where(rise > 0.0, rise, 1.0), 0.0), 1.0)
+    between = t0 + fraction * (t[rows, left + 1] - t0)
+    lower, upper = np.where(count == 0, t[:, 0], np.where(count == last + 1, t[:, last], between))
+    return lower, upper
 
 
 def _depth(starts: Array, direction: Array, half_sizes: Array) -> Array:

@@ -161,3 +161,9 @@ def test_quaternion_of_every_kind_of_rotation() -> None:
             ]
         )
         np.testing.assert_allclose(again, rotation, atol=1e-12)
+
+
+def test_pybullet_is_loaded_only_where_it_is_needed() -> None:
+    code = "import sys, proxgen.simulation.rollout; print(sorted({'pybullet', 'ruckig'} & set(sys.modules)))"
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout == "[]\n"
