@@ -107,6 +107,7 @@ def describe(
         "backend": str(getattr(controller, "backend", "none")),
         "period": 1.0 / config.control.rate,
         "thresholds": {"d_r": config.avoidance.d_r} | known,
+        "schedule": config.avoidance.schedule,
         "distance_reference": config.avoidance.distance_reference,
         "q_lower": model.q_lower.tolist(),
         "q_upper": model.q_upper.tolist(),

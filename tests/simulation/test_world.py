@@ -126,6 +126,16 @@ def test_nothing_is_printed() -> None:
     assert (result.stdout, result.stderr) == ("before\nafter\n", "")
 
 
+def test_a_window_without_a_display_is_refused(
+    monkeypatch: pytest.MonkeyPatch, planar2_model: RobotModel
+) -> None:
+    """Left to itself, pybullet would end the process."""
+    for display in ("", ":4242"):
+        monkeypatch.setenv("DISPLAY", display)
+        with pytest.raises(SimulationError, match="needs an X display"):
+            World(ObstacleField([]), ArmGeometry(planar2_model), gui=True)
+
+
 def test_a_picture_shows_arm_obstacles_and_targets(iiwa7_model: RobotModel) -> None:
     arm = ArmGeometry(iiwa7_model)
     motion = Motion(np.array([0.0, 0.0, 1.0]), 0.4, 0.2, 1.0, 10.0, 0.0)

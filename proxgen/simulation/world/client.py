@@ -40,6 +40,28 @@ def _pybullet() -> Any:
     return pybullet
 
 
+def _require_display() -> None:
+    """Refuse a window where there is no display: pybullet would end the whole process.
+
+    Raises:
+        SimulationError: on Linux, no X display can be opened.
+    """
+    if not sys.platform.startswith("linux"):
+        return
+    try:
+        x11 = ctypes.CDLL("libX11.so.6")
+    except OSError as error:
+        raise SimulationError("pybullet's window needs an X display, and there is no libX11") from error
+    x11.XOpenDisplay.restype = ctypes.c_void_p
+    display = x11.XOpenDisplay(None)
+    if not display:
+        shown = os.environ.get("DISPLAY", "")
+        raise SimulationError(
+            f"pybullet's window needs an X display, but none can be opened (DISPLAY='{shown}')"
+        )
+    x11.XCloseDisplay(ctypes.c_void_p(display))
+
+
 class Client:
     """One physics client; every call names it, so that several worlds live side by side in one process.
 
@@ -54,10 +76,13 @@ class Client:
         Raises:
             SimulationError: no connection, such as a window without a display.
         """
+        self.id = -1
         self.bullet = _pybullet()
+        if gui:
+            _require_display()
         try:
             with silent(1):
-                self.id: int = self.bullet.connect(self.bullet.GUI if gui else self.bullet.DIRECT)
+                self.id = self.bullet.connect(self.bullet.GUI if gui else self.bullet.DIRECT)
         except self.bullet.error as error:
             raise SimulationError(f"pybullet cannot open a world: {error}") from error
         if self.id < 0:
