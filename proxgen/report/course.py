@@ -7,13 +7,13 @@ from matplotlib.patches import Patch
 
 from proxgen.controllers.protocol import Status
 from proxgen.report import style
-from proxgen.report.derive import least_distance, status_spans, time_span
+from proxgen.report.derive import least_distance, status_spans, time_span, zones
 from proxgen.simulation.log import RolloutLog
 
 TITLE = "Course of the run"
 CAPTION = (
     "Above: the distance to the present target falls until it is reached and swapped. Middle: true distance "
-    "of the nearest link to any obstacle, over the zones of the approach law (13). Below: how each cycle was "
+    "of the nearest link to any obstacle, over the zones of the approach law. Below: how each cycle was "
     "decided."
 )
 
@@ -29,6 +29,7 @@ def course_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
     sawtooth, nearest, strip = figure.subplots(3, 1, sharex=True, height_ratios=[1.25, 1.25, 0.22])
     draw_sawtooth(sawtooth, log, tolerance)
     draw_least_distance(nearest, log)
+    style.legend_above(nearest, zone_legend(log))
     draw_status(strip, log)
     strip.set_xlabel("time [s]")
     strip.set_title("Status of every cycle", pad=5)
@@ -58,28 +59,29 @@ def draw_sawtooth(axes: Axes, log: RolloutLog, tolerance: float | None = None) -
 
 def farthest(log: RolloutLog) -> float:
     """Distances beyond are cut off in the figures, as nothing happens there [m]."""
-    return 1.55 * float(log.meta["thresholds"]["d_a"])
+    return 1.55 * zones(log)[0].begin
 
 
 def draw_zones(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
-    """The four thresholds as lines, and what the controller does between them as shades."""
-    thresholds, (lowest, top) = log.meta["thresholds"], axes.get_ylim()
-    for name, _, shade in style.ZONES:
-        bottom = thresholds[name] if name else lowest
-        axes.axhspan(bottom, top, color=shade, linewidth=0.0, zorder=0)
-        if name:
-            axes.axhline(
-                bottom, color=style.VERMILLION if name == "d_r" else style.MUTED, linewidth=0.8, zorder=1
-            )
-        top = bottom
+    """The thresholds as lines, and what the controller does below each of them as shades."""
+    lowest, _ = axes.get_ylim()
+    around = zones(log)
+    for zone, end in zip(around, [*(zone.begin for zone in around[1:]), lowest], strict=True):
+        axes.axhspan(end, zone.begin, color=zone.shade, linewidth=0.0, zorder=0)
+        alarm = zone.shade == style.ALARM
+        axes.axhline(zone.begin, color=style.VERMILLION if alarm else style.MUTED, linewidth=0.8, zorder=1)
     if labels:
-        names = [name for name, _, _ in style.ZONES if name]
-        texts = [f"${name[0]}_{{{name[2:]}}}$ {thresholds[name]:.2f} m" for name in names]
-        style.labels_at_right(axes, [thresholds[name] for name in names], texts)
+        texts = [f"{zone.symbol} {zone.begin:.2f} m" for zone in around]
+        style.labels_at_right(axes, [zone.begin for zone in around], texts)
+
+
+def zone_legend(log: RolloutLog) -> list[Patch]:
+    """One patch per zone: what the controller does there."""
+    return [Patch(facecolor=zone.shade, edgecolor=style.GRID, label=zone.meaning) for zone in zones(log)]
 
 
 def draw_least_distance(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
-    """True distance of whichever link is nearest to any obstacle, over the zones of the law (13)."""
+    """True distance of whichever link is nearest to any obstacle, over the zones of the approach law."""
     least = least_distance(log)
     axes.set_ylim(min(0.0, float(least.min(initial=0.0)) * 1.1), farthest(log))
     draw_zones(axes, log, labels)

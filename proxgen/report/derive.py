@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from proxgen.controllers.protocol import Status
 from proxgen.model.robot_model import CapsuleModel, RobotModel
+from proxgen.report import style
 from proxgen.simulation.log import RolloutLog
 
 Array = NDArray[np.float64]
@@ -74,6 +75,32 @@ def joint_units(log: RolloutLog, model: RobotModel | None) -> list[str]:
         for drive in model.drives:
             units[drive.index] = "m" if drive.prismatic else "rad"
     return units
+
+
+@dataclass(frozen=True)
+class Zone:
+    """Distances in which the controller does one thing: from `begin` [m] downwards to the next zone."""
+
+    begin: float
+    symbol: str
+    meaning: str
+    shade: str
+
+
+def zones(log: RolloutLog) -> list[Zone]:
+    """The zones of the approach law that was in force, (13) or the damper schedule, from far to near."""
+    thresholds = log.meta["thresholds"]
+    if log.meta["schedule"] == "damper":
+        return [
+            Zone(thresholds["damper_influence"], "$d_i$", "approach limited", style.APPROACH),
+            Zone(thresholds["damper_safety"], "$d_s$", "repulsed", style.ALARM),
+        ]
+    return [
+        Zone(thresholds["d_a"], "$d_a$", "approach limited", style.APPROACH),
+        Zone(thresholds["d_0u"], "$d_{0u}$", "no approach", style.STANDSTILL),
+        Zone(thresholds["d_0l"], "$d_{0l}$", "repulsed", style.REPULSION),
+        Zone(thresholds["d_r"], "$d_r$", "full repulsion", style.ALARM),
+    ]
 
 
 def status_spans(log: RolloutLog) -> dict[Status, list[tuple[float, float]]]:

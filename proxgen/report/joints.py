@@ -47,8 +47,8 @@ def _draw(axes: Axes, time: Array, values: Array, lower: float, upper: float, co
     margin = 0.12 * (upper - lower)
     bottom = min(lower - margin, float(values.min()))
     top = max(upper + margin, float(values.max()))
-    axes.axhspan(upper, top, color=style.ZONES[-1][2], alpha=0.5, linewidth=0.0)
-    axes.axhspan(bottom, lower, color=style.ZONES[-1][2], alpha=0.5, linewidth=0.0)
+    axes.axhspan(upper, top, color=style.ALARM, alpha=0.5, linewidth=0.0)
+    axes.axhspan(bottom, lower, color=style.ALARM, alpha=0.5, linewidth=0.0)
     for limit in (lower, upper):
         axes.axhline(limit, color=style.VERMILLION, linewidth=0.8, linestyle=(0, (4, 3)))
     axes.set_ylim(bottom, top)

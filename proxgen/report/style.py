@@ -35,14 +35,8 @@ SERIES = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION, INK, "#8c6d1f")
 OBSTACLE = "#f2b98a"
 OBSTACLE_EDGE = "#a85a1c"
 
-ZONES = (
-    ("d_a", "free", "#ffffff"),
-    ("d_0u", "approach limited", "#eef5fb"),
-    ("d_0l", "no approach", "#fff7db"),
-    ("d_r", "repulsed", "#ffe3c7"),
-    ("", "full repulsion", "#f9c5b4"),
-)
-"""From far to near: the threshold that ends the zone, what the controller does there, and its shade."""
+APPROACH, STANDSTILL, REPULSION, ALARM = "#e6f0f8", "#fff5cf", "#ffe0c2", "#f9c5b4"
+"""Shades of the zones around an obstacle, from far to near."""
 
 STATUS_COLOURS: dict[Status, str] = {
     Status.SOLVED: "#c9ddea",

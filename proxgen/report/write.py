@@ -28,7 +28,7 @@ def write_report(
     """Write `index.html` and its figures as PNG into a folder.
 
     Args:
-        directory: made if it does not exist; files of an earlier report in it are replaced.
+        directory: made if it does not exist; figures of the same name are replaced.
         logs: one or more runs, shown side by side where there are several.
         comparison: of the compiled controller with the reference; its verdict leads the page.
         config: of the robot that ran; with it the arm is drawn, and tolerances are known.

@@ -53,6 +53,7 @@ def make_log(joints: int = 3, capsules: int = 2, cycles: int = 200, **meta: Any)
             "scene": "made_up", "robot": "arm", "controller": "compiled", "backend": "daqp",
             "sensing": "skin", "plant": "KinematicPlant", "seed": 0, "period": PERIOD,
             "thresholds": {"d_a": 0.3, "d_0u": 0.25, "d_0l": 0.22, "d_r": 0.17}, "distance_reference": "axis",
+            "schedule": "paper",
             "q_lower": [-2.0] * joints, "q_upper": [2.0] * joints, "qdot_limit": [1.5] * joints,
             "joint_names": [f"joint_{number}" for number in range(joints)],
             "capsule_names": [f"link_{number}" for number in range(capsules)],

@@ -198,6 +198,20 @@ def test_labels_at_the_right_do_not_overlap() -> None:
     assert all(upper.y0 >= lower.y1 - 1.0 for upper, lower in pairwise(boxes))
 
 
+def test_zones_are_those_of_the_law_in_force() -> None:
+    damper = {
+        "d_a": 0.3,
+        "d_0u": 0.25,
+        "d_0l": 0.22,
+        "d_r": 0.17,
+        "damper_influence": 0.4,
+        "damper_safety": 0.2,
+    }
+    paper, other = course_figure(make_log()), course_figure(make_log(schedule="damper", thresholds=damper))
+    assert [text.get_text().split()[1] for text in paper.axes[1].texts] == ["0.30", "0.25", "0.22", "0.17"]
+    assert [text.get_text().split()[1] for text in other.axes[1].texts] == ["0.40", "0.20"]
+
+
 def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = style.write_whole(tmp_path / "file", b"old")
 
