@@ -89,7 +89,7 @@ def draw_least_distance(axes: Axes, log: RolloutLog, labels: bool = True) -> Non
     axes.grid(visible=False)
     axes.set_xlim(time_span(log))
     axes.set_ylabel("distance [m]")
-    axes.set_title(f"Nearest link to nearest obstacle (true, to the link's {log.meta['distance_reference']})")
+    axes.set_title(f"Nearest link (true distance, to its {log.meta['distance_reference']})")
 
 
 def draw_status(axes: Axes, log: RolloutLog) -> None:
