@@ -69,6 +69,7 @@ class CompiledController:
         self._settable = {entry["name"]: entry for entry in library.manifest["parameters"]}
         self._handle = self._create()
         self._step = library.function("step")
+        self._aged_kinds = [False, False]  # whether C looks at ages of range sensors, of switches
         self._make_buffers()
 
     @classmethod
@@ -183,15 +184,18 @@ class CompiledController:
 
     def _take_ages(self, measurement: Measurement) -> None:
         """Copy the ages of the readings, or say that there are none."""
-        seen, tof_age, capacitive_age = self._seen, measurement.tof_age, measurement.capacitive_age
+        tof_age, capacitive_age = measurement.tof_age, measurement.capacitive_age
         if tof_age is not None:
-            _fill(self._tof_age, tof_age, "measurement.tof_age")
+            _copy(self._tof_age, tof_age, "measurement.tof_age")
         if capacitive_age is not None:
-            _fill(self._capacitive_age, capacitive_age, "measurement.capacitive_age")
-        null = self._library.ffi.NULL
-        seen.tof_age = null if tof_age is None else self._tof_age_data
-        seen.capacitive_age = null if capacitive_age is None else self._capacitive_age_data
-        self._aged = tof_age is not None or capacitive_age is not None
+            _copy(self._capacitive_age, capacitive_age, "measurement.capacitive_age")
+        aged = [tof_age is not None, capacitive_age is not None]
+        if aged != self._aged_kinds:
+            null = self._library.ffi.NULL
+            self._seen.tof_age = self._tof_age_data if aged[0] else null
+            self._seen.capacitive_age = self._capacitive_age_data if aged[1] else null
+            self._aged_kinds = aged
+            self._aged = any(aged)
 
     def _take_points(self, points: Array, count: int) -> None:
         """Copy the further obstacle points."""
@@ -300,6 +304,14 @@ class _LazyDiagnostics(Diagnostics):
 def _number_or_array(value: Any) -> Any:
     """A plain number, or an array of one's own."""
     return value.copy() if value.shape else value.item()
+
+
+def _copy(buffer: Array, value: Any, name: str) -> None:
+    """As `_fill`, without a second look at what is already an array of the right kind."""
+    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == buffer.shape:
+        buffer[...] = value
+    else:
+        _fill(buffer, value, name)
 
 
 def _fill(buffer: np.ndarray, value: Any, name: str) -> None:
