@@ -97,7 +97,8 @@ class Judge:
         rows_differ = np.zeros(0, dtype=bool)
         if candidate.status == reference.status:
             pairs["qdot"] = candidate.qdot, reference.qdot
-            pairs["slack"] = mine.slack, theirs.slack
+            if candidate.status.success:
+                pairs["slack"] = mine.slack, theirs.slack
         else:
             findings.append(self._status_sentence(candidate.status, reference.status, theirs))
         if not candidate.status.fault and not reference.status.fault:

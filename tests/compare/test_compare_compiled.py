@@ -1,4 +1,4 @@
-"""The compiled controllers against the reference: any arm, both back ends, all kinds of states and readings."""
+"""The compiled controllers against the reference: any arm, both back ends, all kinds of states."""
 
 from pathlib import Path
 
