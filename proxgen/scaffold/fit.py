@@ -21,7 +21,7 @@ from proxgen.model.frames import axis_basis
 from proxgen.model.robot_model import Array
 from proxgen.scaffold.shapes import Cloud, merged
 
-_SUPPORTS = 400
+_SUPPORTS = 250
 _DIRECTIONS = 250
 _STARTS = 8
 _STEPS = 80
@@ -109,7 +109,7 @@ def _extremes(cloud: Cloud) -> Cloud:
     """The balls that reach furthest in some of many directions: nearly all that matter, and few."""
     half, found = _hemisphere(_SUPPORTS), set()
     for directions in np.array_split(np.vstack([half, -half]), 10):
-        found |= set(np.argmax(cloud.points @ directions.T + cloud.radii[:, None], axis=0).tolist())
+        found |= set(np.argmax(directions @ cloud.points.T + cloud.radii, axis=1).tolist())
     chosen = sorted(found)
     return Cloud(cloud.points[chosen], cloud.radii[chosen])
 

@@ -61,14 +61,14 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     rows = task_rows(model)
     start = start_posture(model, rows)
     cuffs = propose_cuffs(capsules, _some_postures(start)) if solid else []
-    sheet = replace(sheet, urdf=_reference(urdf, path, output), rows=rows)
+    sheet = replace(sheet, rows=rows)
+    model = _draft_model(render_robot(sheet, arm, capsules, cuffs, Stopgaps()))
+    scene = propose_scene(Posture(model, start.q), rows, arm.size, sheet.thresholds)
+    sheet = replace(sheet, urdf=_reference(urdf, path, output))
     texts = {
         output: render_robot(sheet, arm, capsules, cuffs),
-        scene_file: render_scene(
-            sheet, arm, propose_scene(start, rows, arm.size, sheet.thresholds), output.name, scene_file.name
-        ),
+        scene_file: render_scene(sheet, arm, scene, output.name, scene_file.name),
     }
-    _draft_model(render_robot(replace(sheet, urdf=str(path)), arm, capsules, cuffs, Stopgaps()))
     _write(texts)
     if blanks:
         message = f"{output}: fill in what the URDF does not say, at FILL IN: {', '.join(blanks)}"

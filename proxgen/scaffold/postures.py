@@ -55,12 +55,13 @@ class Posture:
     @property
     def jacobian(self) -> Array:
         """Position Jacobian of the task point, (3, n)."""
-        columns = np.zeros((3, self.model.n))
-        for pose, drive in zip(self.poses[1:], self.model.drives, strict=True):
-            axis = pose[:3, :3] @ drive.axis
-            column = axis if drive.prismatic else np.cross(axis, self.tool - pose[:3, 3])
-            columns[:, drive.index] += drive.ratio * column
-        return columns
+        drives, rotations = self.model.drives, np.array([pose[:3, :3] for pose in self.poses[1:]])
+        axes = np.einsum("bij,bj->bi", rotations, np.array([drive.axis for drive in drives]))
+        arms = self.tool - np.array([pose[:3, 3] for pose in self.poses[1:]])
+        prismatic = np.array([drive.prismatic for drive in drives])
+        motions = np.where(prismatic[:, None], axes, np.cross(axes, arms))
+        jacobian: Array = motions.T @ self.model.transmission
+        return jacobian
 
     def gaps(self, points: Array) -> Array:
         """Distances (P, L) from points (P, 3) to the surfaces of all capsules [m]; negative inside."""

@@ -9,6 +9,9 @@ from proxgen.scaffold.postures import Posture, neighbours
 
 _DIRECTIONS = 16
 
+Line = tuple[Array, Array]
+"""Origin and direction, (3,) each."""
+
 
 @dataclass(frozen=True)
 class Thresholds:
@@ -58,7 +61,7 @@ def propose_scene(start: Posture, rows: tuple[str, ...], size: float, limits: Th
     """Place targets and obstacles around a start posture.
 
     Args:
-        start: where the arm starts.
+        start: where the arm starts; the visitor comes to where its sensors look.
         rows: the task's position rows; obstacles are placed where the tool can move.
         size: length of the stretched arm [m].
         limits: thresholds; the obstacles come that near.
@@ -71,26 +74,40 @@ def propose_scene(start: Posture, rows: tuple[str, ...], size: float, limits: Th
     along, ends = _targets(start, chosen, size)
     way = [start, *ends, *(Posture(start.model, 0.5 * (start.q + end.q)) for end in ends)]
     radius = round(float(np.clip(0.06 * size, 0.02, 0.08)), 3)
-    places = []
-    for direction in _across(along, chosen):
-        distance = _first(start, way, direction, radius + 0.6 * limits.d_a + 0.4 * limits.d_0u, size)
-        places.append((distance, direction))
-    post_distance, post_direction = min(places, key=lambda place: place[0])
-    apart = [place for place in places if place[1] @ post_direction < 0.5]
-    _, visitor_direction = min(apart or places, key=lambda place: place[0])
-    far = _first(start, way, visitor_direction, radius + 1.2 * limits.d_a, size)
-    near = _first(start, [start], visitor_direction, radius + 0.5 * (limits.d_0l + limits.d_r), size)
+    beside = [(start.tool, direction) for direction in _across(along, chosen)]
+    distance, (origin, aside) = _shortest(beside, way, radius + 0.6 * limits.d_a + 0.4 * limits.d_0u, size)
+    post = Ball(np.round(origin + distance * aside, 3) + 0.0, radius, np.zeros(3), 0.0)
+    lines = _seen(start, chosen) or beside
+    apart = [line for line in lines if line[1] @ aside < 0.5]
+    far, (origin, outwards) = _shortest(apart or lines, way, radius + 1.2 * limits.d_a, size)
+    near = _first((origin, outwards), [start], radius + 0.5 * (limits.d_0l + limits.d_r), size)
     return SceneProposal(
         start.q,
         tuple(np.round(end.tool, 3) + 0.0 for end in ends),
-        Ball(np.round(start.tool + post_distance * post_direction, 3), radius, np.zeros(3), 0.0),
+        post,
         Ball(
-            np.round(start.tool + far * visitor_direction, 3),
+            np.round(origin + far * outwards, 3) + 0.0,
             radius,
-            np.round(-visitor_direction, 3) + 0.0,
+            np.round(-outwards, 3) + 0.0,
             round(max(far - near, 0.1 * limits.d_a), 3),
         ),
     )
+
+
+def _shortest(lines: list[Line], way: list[Posture], clearance: float, size: float) -> tuple[float, Line]:
+    """The line along which the arm is first that far away, and how far that is."""
+    return min(((_first(line, way, clearance, size), line) for line in lines), key=lambda choice: choice[0])
+
+
+def _seen(start: Posture, chosen: list[int]) -> list[Line]:
+    """Lines along which a sensor looks at the start, within what the task moves in: origin and direction."""
+    lines, other = [], [axis for axis in range(3) if axis not in chosen]
+    for module in start.model.modules:
+        pose = start.poses[module.body]
+        normal = pose[:3, :3] @ module.normal
+        if np.linalg.norm(normal[other]) < 0.2:
+            lines.append((pose[:3, :3] @ module.position + pose[:3, 3], normal))
+    return lines
 
 
 def _targets(start: Posture, chosen: list[int], size: float) -> tuple[Array, list[Posture]]:
@@ -124,11 +141,10 @@ def _across(along: Array, chosen: list[int]) -> list[Array]:
     return [np.cos(angle) * kept[0] + np.sin(angle) * kept[1] for angle in angles]
 
 
-def _first(start: Posture, way: list[Posture], direction: Array, clearance: float, size: float) -> float:
-    """How far from the tool, in a direction, a point is first that far from the arm in all postures [m]."""
+def _first(line: Line, way: list[Posture], clearance: float, size: float) -> float:
+    """How far along a line (origin, direction) a point is first that far from the arm in all postures [m]."""
+    origin, direction = line
     steps = np.arange(1, 301) * (size / 100.0)
-    for distance in steps:
-        point = start.tool + distance * direction
-        if min(posture.gaps(point[None]).min() for posture in way) >= clearance:
-            return float(distance)
-    return float(steps[-1])
+    points = origin + steps[:, None] * direction
+    clear = np.min([posture.gaps(points).min(axis=1) for posture in way], axis=0) >= clearance
+    return float(steps[np.argmax(clear)] if clear.any() else steps[-1])
