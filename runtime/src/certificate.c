@@ -49,7 +49,9 @@ double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution) {
     for (int j = 0; j < PG_N; j++)
       gradient[j] += row[j] * y[i];
   }
-  for (int j = 0; j < PG_N; j++)
+  for (int j = 0; j < PG_N; j++) {
+    residual.sum += 0.0 * gradient[j]; /* an infinite one would be hidden by a bound */
     add(&residual, x[j] - between(x[j] - gradient[j], qp->lb[j], qp->ub[j]));
+  }
   return residual.sum - residual.sum == 0.0 ? residual.greatest : INFINITY;
 }

@@ -66,7 +66,7 @@ static void descend(const pg_qp_t *qp, search_t *search, int j) {
 /* Where 1/2 ||max(0, Ax - ubA)||^2 is least within the bounds, max(0, Ax - ubA) itself is a proof; near
  * enough to there it is one already. Coordinate descent comes near in most infeasible cycles at a fraction of
  * a solve, and ends at once where x = 0 meets all rows. */
-int pg_find_contradiction(const pg_qp_t *qp, int sweeps) {
+pg_verdict_t pg_search(const pg_qp_t *qp, int sweeps) {
   search_t search;
   begin(qp, &search);
   for (int sweep = 0; sweep <= sweeps; sweep++) {
@@ -77,10 +77,10 @@ int pg_find_contradiction(const pg_qp_t *qp, int sweeps) {
         y[search.slot[k]] = search.excess[k];
         exceeded = 1;
       }
-    if (!exceeded) return 0;
-    if (pg_proves_infeasible(qp, y)) return 1;
+    if (!exceeded) return PG_FEASIBLE;
+    if (pg_proves_infeasible(qp, y)) return PG_CONTRADICTORY;
     for (int j = 0; j < PG_N; j++)
       descend(qp, &search, j);
   }
-  return 0;
+  return PG_UNDECIDED;
 }

@@ -13,9 +13,6 @@
 #define SHORT_SEARCH 2
 #define LONG_SEARCH  64
 
-/* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact. */
-#define EXACT (1e-6 * PG_TOLERANCE)
-
 /* Makes stage `stage` out of the one before it; returns 0 if the QP stays as it was. */
 static int relax(const pg_controller_t *controller, pg_status_t stage, double ubA[PG_ROWS]) {
   const pg_parameters_t *p = &controller->parameters;
@@ -36,29 +33,16 @@ static int relax(const pg_controller_t *controller, pg_status_t stage, double ub
   return changed;
 }
 
-/* A certified solution may be outside its bounds by the tolerance; a command may not. */
-static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
-  for (int j = 0; j < PG_N; j++)
-    x[j] = x[j] < qp->lb[j] ? qp->lb[j] : x[j] > qp->ub[j] ? qp->ub[j] : x[j];
+/* What a solver's claim that a QP is infeasible is worth: PG_INFEASIBLE with a proof, from the solver or a
+ * search; also if nothing speaks against it and this is the second such claim. */
+static pg_outcome_t weigh_claim(const pg_qp_t *qp, const pg_solution_t *solution, pg_start_t start) {
+  if (pg_proves_infeasible(qp, solution->y)) return PG_INFEASIBLE;
+  const pg_verdict_t verdict = pg_search(qp, LONG_SEARCH);
+  const int believed = verdict == PG_CONTRADICTORY || (verdict == PG_UNDECIDED && start == PG_AGAIN);
+  return believed ? PG_INFEASIBLE : PG_UNSOLVED;
 }
 
-/* Puts a solution between its bounds, takes rounding errors out if there are any to speak of; returns its
- * residual. */
-static double finish(const pg_qp_t *qp, pg_solution_t *solution) {
-  keep_within_bounds(qp, solution->x);
-  const double residual = pg_kkt_residual(qp, solution);
-  if (!(residual > EXACT && residual < INFINITY)) return residual;
-  pg_solution_t polished = *solution;
-  pg_polish(qp, &polished);
-  keep_within_bounds(qp, polished.x);
-  const double polished_residual = pg_kkt_residual(qp, &polished);
-  if (!(polished_residual < residual)) return residual;
-  *solution = polished;
-  return polished_residual;
-}
-
-/* One solve; says PG_OPTIMAL only with a certificate, and PG_INFEASIBLE in a first attempt only with a proof.
- */
+/* One solve; says PG_OPTIMAL only with a certificate. */
 static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start) {
   pg_diagnostics_t *cycle = &controller->cycle;
   pg_solution_t *solution = &controller->solution;
@@ -68,21 +52,17 @@ static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_s
 #endif
   cycle->solves++;
   cycle->iterations += solution->iterations;
-  if (outcome == PG_OPTIMAL) {
-    cycle->kkt_residual = finish(qp, solution);
-    if (cycle->kkt_residual <= PG_TOLERANCE) return PG_OPTIMAL;
-    controller->counters.certificate_failures++;
-    return PG_UNSOLVED;
-  }
-  if (outcome == PG_INFEASIBLE && start == PG_FIRST && !pg_proves_infeasible(qp, solution->y) &&
-      !pg_find_contradiction(qp, LONG_SEARCH))
-    return PG_UNSOLVED;
-  return outcome;
+  if (outcome == PG_INFEASIBLE) return weigh_claim(qp, solution, start);
+  if (outcome == PG_UNSOLVED) return PG_UNSOLVED;
+  cycle->kkt_residual = pg_polish(qp, solution);
+  if (cycle->kkt_residual <= PG_TOLERANCE) return PG_OPTIMAL;
+  controller->counters.certificate_failures++;
+  return PG_UNSOLVED;
 }
 
 /* Solves one stage; a first answer that proves nothing gets a second chance. */
 static pg_outcome_t solve(pg_controller_t *controller, const pg_qp_t *qp) {
-  if (!PG_RELAXATION_SLACK && pg_find_contradiction(qp, SHORT_SEARCH)) return PG_INFEASIBLE;
+  if (!PG_RELAXATION_SLACK && pg_search(qp, SHORT_SEARCH) == PG_CONTRADICTORY) return PG_INFEASIBLE;
   const pg_outcome_t outcome = attempt(controller, qp, PG_FIRST);
   if (outcome != PG_UNSOLVED) return outcome;
   controller->cycle.second_chances++;

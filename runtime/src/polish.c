@@ -1,4 +1,4 @@
-/* One Newton step on the residual of the certificate: makes a solution that is nearly exact exact.
+/* Newton steps on the residual of the certificate: make a solution that is nearly exact exact.
  *
  * A solver's answer carries its rounding errors, which a small damping lambda magnifies, and which the
  * acceleration bounds carry on into the next cycles. Its working set is what is worth having: with that, the
@@ -10,6 +10,10 @@
 #include <math.h>
 #include <string.h>
 
+/* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact. */
+#define EXACT (1e-6 * PG_TOLERANCE)
+
+#define STEPS       3
 #define LEAST_PIVOT 1e-12
 
 enum { MOST = PG_N + PG_ROWS };
@@ -27,6 +31,12 @@ static double row_times(const double *row, const double x[PG_N]) {
   for (int j = 0; j < PG_N; j++)
     sum += row[j] * x[j];
   return sum;
+}
+
+/* A solution may be outside its bounds by a tolerance; a command may not. */
+static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
+  for (int j = 0; j < PG_N; j++)
+    x[j] = x[j] < qp->lb[j] ? qp->lb[j] : x[j] > qp->ub[j] ? qp->ub[j] : x[j];
 }
 
 /* Decides as the certificate does which joint is free and which row holds; puts all others on their bounds.
@@ -122,7 +132,8 @@ static void solve_equations(equations_t *equations) {
       change[b] -= equations->K[a][b] * change[a];
 }
 
-void pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
+/* One Newton step. */
+static void improve(const pg_qp_t *qp, pg_solution_t *solution) {
   equations_t equations;
   choose_unknowns(qp, solution, &equations);
   write_equations(qp, solution, &equations);
@@ -131,4 +142,19 @@ void pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
     solution->x[equations.index[a]] += equations.change[a];
   for (int a = equations.joints; a < equations.size; a++)
     solution->y[equations.index[a]] += equations.change[a];
+}
+
+double pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
+  keep_within_bounds(qp, solution->x);
+  double residual = pg_kkt_residual(qp, solution);
+  for (int step = 0; step < STEPS && residual > EXACT && residual < INFINITY; step++) {
+    pg_solution_t improved = *solution;
+    improve(qp, &improved);
+    keep_within_bounds(qp, improved.x);
+    const double left = pg_kkt_residual(qp, &improved);
+    if (!(left < residual)) break;
+    *solution = improved;
+    residual = left;
+  }
+  return residual;
 }

@@ -24,7 +24,7 @@
 #define pg_kkt_residual        PG_NAME(internal_kkt_residual)
 #define pg_polish              PG_NAME(internal_polish)
 #define pg_proves_infeasible   PG_NAME(internal_proves_infeasible)
-#define pg_find_contradiction  PG_NAME(internal_find_contradiction)
+#define pg_search              PG_NAME(internal_search)
 #define pg_parameters_allowed  PG_NAME(internal_parameters_allowed)
 #define pg_solver_name         PG_NAME(internal_solver_name)
 #define pg_solver_create       PG_NAME(internal_solver_create)

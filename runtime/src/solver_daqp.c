@@ -21,6 +21,9 @@ enum {
 /* Bounds and rows may be exceeded by this much; q_dot is to be exact to 1e-8. */
 #define PRIMAL_TOLERANCE 1e-9
 
+/* Rounding errors of u, relative to v. Below them DAQP would add and remove the same constraints for ever. */
+#define NOISE 1e-15
+
 /* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-9. */
 #define LEAST_PIVOT 1e-15
 
@@ -127,8 +130,13 @@ static double normalise(double *row, int count) {
   return factor;
 }
 
-/* lb <= x <= ub in terms of u: row i of R^-1, scaled. */
+/* lb <= x <= ub in terms of u: row i of R^-1, scaled. Sets DAQP's tolerance to what can be told from noise.
+ */
 static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][N]) {
+  double greatest = 0.0;
+  for (int j = 0; j < N; j++)
+    greatest = fmax(greatest, fabs(solver->v[j]));
+  solver->settings.primal_tol = PRIMAL_TOLERANCE;
   for (int i = 0; i < N; i++) {
     double *row = packed_row(solver->Rinv, i), shift = 0.0;
     memcpy(row + i, &Rinv[i][i], (size_t)(N - i) * sizeof(double));
@@ -136,6 +144,7 @@ static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][
     for (int j = i; j < N; j++)
       shift += row[j] * solver->v[j];
     solver->scaling[i] = scaling;
+    solver->settings.primal_tol = fmax(solver->settings.primal_tol, NOISE * greatest / scaling);
     solver->dlower[i] = qp->lb[i] * scaling + shift;
     solver->dupper[i] = qp->ub[i] * scaling + shift;
   }

@@ -69,14 +69,21 @@ pg_status_t pg_solve_by_stages(pg_controller_t *controller);
 /* Greatest violation of the optimality conditions (KKT) by a solution; infinity if it is not finite. */
 double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution);
 
-/* Takes the rounding errors out of a solution whose working set is right; spoils any other. */
-void pg_polish(const pg_qp_t *qp, pg_solution_t *solution);
+/* Puts a solution within its bounds and takes out its rounding errors, if there are any to speak of; returns
+ * its residual. */
+double pg_polish(const pg_qp_t *qp, pg_solution_t *solution);
 
 /* 1 if the rows, weighed with y >= 0, contradict each other within the bounds by more than the tolerance. */
 int pg_proves_infeasible(const pg_qp_t *qp, const double y[PG_ROWS]);
 
-/* 1 if weights that prove it were found within `sweeps` rounds over the joints; 0 says nothing. */
-int pg_find_contradiction(const pg_qp_t *qp, int sweeps);
+typedef enum {
+  PG_FEASIBLE,      /* an x was found that meets all rows */
+  PG_CONTRADICTORY, /* weights were found that prove the rows infeasible */
+  PG_UNDECIDED      /* neither in this time */
+} pg_verdict_t;
+
+/* Looks for one or the other in up to `sweeps` rounds over the joints. */
+pg_verdict_t pg_search(const pg_qp_t *qp, int sweeps);
 
 /* 1 if every parameter is in its range and in order with the others. */
 int pg_parameters_allowed(const pg_parameters_t *parameters);

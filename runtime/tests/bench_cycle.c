@@ -2,8 +2,9 @@
  *
  *     bench_cycle [SECONDS of closed loop] [REPLAYS]
  *
- * First the controller drives a kinematic arm through the gap of docs/method.md, and its inputs are recorded. Then
- * they are replayed and timed one by one: raw times of all replays, and the best of each cycle over them. */
+ * First the controller drives a kinematic arm through the gap of docs/method.md, and its inputs are recorded.
+ * Then they are replayed and timed one by one: raw times of all replays, and the best of each cycle over
+ * them. */
 #include "state.h"
 
 #include <math.h>
@@ -62,7 +63,8 @@ static double distance_to_box(const double point[3], const box_t *box) {
   return sqrt(squared);
 }
 
-static void place_sensor(const pg_kinematics_t *k, const pg_sensor_t *sensor, double position[3], double normal[3]) {
+static void place_sensor(const pg_kinematics_t *k, const pg_sensor_t *sensor, double position[3],
+                         double normal[3]) {
   const double *pose = k->body_to_world[sensor->body];
   for (int i = 0; i < 3; i++) {
     position[i] = pose[4 * i + 3];
@@ -116,8 +118,7 @@ static int record(pg_controller_t *controller, input_t *inputs, int cycles) {
     pg_model_kinematics(q, &kinematics);
     memcpy(inputs[i].q, q, sizeof q);
     sense(&kinematics, &inputs[i]);
-    if (approach(kinematics.tool_to_world, targets[reached % 2], inputs[i].xdot) < 0.02)
-      reached++;
+    if (approach(kinematics.tool_to_world, targets[reached % 2], inputs[i].xdot) < 0.02) reached++;
     step(controller, &inputs[i], parameters.period * (i + 1), qdot);
     for (int j = 0; j < PG_N; j++)
       q[j] += parameters.period * qdot[j];
@@ -147,23 +148,23 @@ static void build_only(pg_controller_t *controller, const input_t *input, double
   pg_model_kinematics(input->q, &controller->kinematics);
   pg_find_nearest(controller, &seen);
   pg_write_rows(controller);
-  pg_model_objective(&controller->parameters, &controller->kinematics, input->q, input->xdot, cycle->H, cycle->g,
-                     &cycle->manipulability, &cycle->damping);
+  pg_model_objective(&controller->parameters, &controller->kinematics, input->q, input->xdot, cycle->H,
+                     cycle->g, &cycle->manipulability, &cycle->damping);
 }
 
 int main(int argc, char **argv) {
   const int cycles = (int)(50.0 * (argc > 1 ? atof(argv[1]) : 60.0)), replays = argc > 2 ? atoi(argv[2]) : 20;
   input_t *inputs = calloc((size_t)cycles, sizeof *inputs);
-  double *raw = calloc((size_t)cycles * (size_t)replays, sizeof *raw), *best = calloc((size_t)cycles, sizeof *best);
+  double *raw = calloc((size_t)cycles * (size_t)replays, sizeof *raw),
+         *best = calloc((size_t)cycles, sizeof *best);
   pg_controller_t *controller;
   pg_counters_t counters;
   double qdot[PG_N];
-  if (!inputs || !raw || !best || pg_create_checked(&controller, PG_INTERFACE) != PG_SOLVED)
-    return 1;
+  if (!inputs || !raw || !best || pg_create_checked(&controller, PG_INTERFACE) != PG_SOLVED) return 1;
   const int reached = record(controller, inputs, cycles);
   pg_counters(controller, &counters);
-  printf("%s: %d cycles, %d targets, %llu solves, %llu changes, %llu second chances;", pg_solver_name, cycles, reached,
-         counters.solves, counters.iterations, counters.second_chances);
+  printf("%s: %d cycles, %d targets, %llu solves, %llu changes, %llu second chances;", pg_solver_name, cycles,
+         reached, counters.solves, counters.iterations, counters.second_chances);
   for (int s = 0; s < 32; s++)
     if (counters.status_count[s])
       printf(" %s %llu", pg_status_name((pg_status_t)s), counters.status_count[s]);
