@@ -120,6 +120,38 @@ def test_row_of_one_obstacle_point(
     assert np.isnan(found.nearest_point[0]).all()
 
 
+@pytest.mark.parametrize(("nearer_by", "kept"), [(0.0, 0), (-5e-10, 0), (5e-10, 0), (2e-9, 1), (-2e-9, 0)])
+def test_the_first_of_equally_near_points_is_kept(
+    planar2_config: Config, planar2_model: RobotModel, nearer_by: float, kept: int
+) -> None:
+    """Two points on both sides of link 2; rounding must not decide between them."""
+    q = np.array([0.4, 0.9])
+    left, closest, direction = beside_link_2(q, 0.25, 0.1)
+    points = [left, closest - (0.1 - nearer_by) * direction]
+    found = decide(ReferenceController(planar2_config, planar2_model), q, np.zeros(2), points).diagnostics
+    np.testing.assert_array_equal(found.nearest_point[1], points[kept])
+
+
+def test_equal_distances_do_not_add_up(planar2_config: Config, planar2_model: RobotModel) -> None:
+    """Ten points, each nearer by less than 1e-9 m: the third one is nearer than the first by more."""
+    q = np.array([0.4, 0.9])
+    points = [beside_link_2(q, 0.25, 0.1 - 0.6e-9 * index)[0] for index in range(10)]
+    found = decide(ReferenceController(planar2_config, planar2_model), q, np.zeros(2), points).diagnostics
+    np.testing.assert_array_equal(found.nearest_point[1], points[8])
+
+
+@pytest.mark.parametrize(("beyond", "on"), [(-1e-12, True), (5e-10, True), (2e-9, False)])
+def test_a_distance_equal_to_the_threshold_counts(
+    planar2_config: Config, planar2_model: RobotModel, beyond: float, on: bool
+) -> None:
+    """d_a = d_active = 0.15 m."""
+    q = np.array([0.4, 0.9])
+    point = beside_link_2(q, 0.25, 0.15 + beyond)[0]
+    found = decide(ReferenceController(planar2_config, planar2_model), q, np.zeros(2), point).diagnostics
+    assert found.row_on.tolist() == [False, on, on]
+    assert np.isfinite(found.distance[1]) == on
+
+
 def test_a_row_never_demands_more_than_row_speed(planar2_config: Config, planar2_model: RobotModel) -> None:
     """Beside link 1, 0.05 m from the shoulder: the row is short, and -0.2 m/s would need 4 rad/s."""
     controller, q = ReferenceController(planar2_config, planar2_model), np.array([0.0, 0.5])

@@ -1,5 +1,6 @@
 """The reference's QP solver: thousands of QPs, a second opinion by brute force, the edge of feasibility."""
 
+from fractions import Fraction
 from itertools import product
 
 import numpy as np
@@ -97,6 +98,43 @@ def test_brute_force_over_active_sets_agrees() -> None:
         if found.solution is not None and expected is not None:
             np.testing.assert_allclose(found.solution.x, expected, rtol=0, atol=1e-9)
     assert infeasible > 20
+
+
+def exact_solution(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction]:
+    """Gaussian elimination in rational numbers."""
+    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    for column in range(len(rows)):
+        pivot = next(i for i in range(column, len(rows)) if rows[i][column] != 0)
+        rows[column], rows[pivot] = rows[pivot], rows[column]
+        rows[column] = [value / rows[column][column] for value in rows[column]]
+        for i, row in enumerate(rows):
+            if i != column and row[column] != 0:
+                rows[i] = [a - row[column] * b for a, b in zip(row, rows[column], strict=True)]
+    return [row[-1] for row in rows]
+
+
+def test_solutions_are_exact_to_1e_10() -> None:
+    """Against rational arithmetic on the same active set, with λ down to 1e-6."""
+    rng, compared = np.random.default_rng(16), 0
+    while compared < 25:
+        program = control_qp(rng, 7, 1e-2)
+        found = solve(program, TOLERANCE).solution
+        if found is None:
+            continue
+        y, z = found.row_multipliers, found.bound_multipliers
+        C = np.concatenate((program.A[y > 1e-9], np.eye(7)[np.abs(z) > 1e-9]))
+        bounds = np.where(z > 0.0, program.ub, program.lb)[np.abs(z) > 1e-9]
+        d = np.concatenate((program.b[y > 1e-9], bounds))
+        matrix = np.block([[program.H, C.T], [C, np.zeros((len(d), len(d)))]])
+        if np.linalg.matrix_rank(C) < len(d):
+            continue
+        exact = exact_solution(
+            [[Fraction(float(value)) for value in row] for row in matrix],
+            [Fraction(float(value)) for value in np.concatenate((-program.g, d))],
+        )
+        expected = np.array([float(value) for value in exact[:7]])
+        np.testing.assert_allclose(found.x, expected, rtol=0, atol=1e-10)
+        compared += 1
 
 
 def with_margin(rng: np.random.Generator, n: int, margin: float) -> QuadraticProgram:

@@ -23,7 +23,7 @@ from proxgen.controllers.reference.relaxation import (
 from proxgen.model import RobotModel
 
 TOLERANCE = 1e-8
-LIMITS = Thresholds(on=0.30, distant=0.25, critical=0.17)
+LIMITS = Thresholds(influence=0.30, on=0.30, distant=0.25, critical=0.17)
 ALL_ON = np.ones(3, dtype=bool)
 
 

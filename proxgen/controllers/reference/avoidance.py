@@ -137,7 +137,7 @@ def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float
     on_axis = closest_on_segments(points, start, end)
     offset = points - on_axis
     length = np.sqrt((offset * offset).sum(axis=2))
-    reach = influence + SAME_DISTANCE + capsules.reference_radius
+    reach = influence + capsules.reference_radius
     slots = np.arange(count)
     nearest = np.array([_first_of_nearest(length[slot], reach[slot]) for slot in slots])
     least = length[slots, nearest]
@@ -186,11 +186,13 @@ class Thresholds:
     """What the schedule decides, besides the law.
 
     Attributes:
+        influence: d_influence, beyond which an obstacle point does not count [m].
         on: d_on, beyond which there is no row [m].
         distant: rows beyond are dropped first: d_0u [m].
         critical: rows beyond are dropped last: d_r [m].
     """
 
+    influence: float
     on: float
     distant: float
     critical: float
@@ -202,7 +204,8 @@ def thresholds(schedule: str, p: Parameters) -> Thresholds:
     A distance that is equal to a threshold is not beyond it.
     """
     paper, damper = (p.d_a, p.d_0u, p.d_r), (p.damper_influence, p.damper_safety, p.damper_safety)
-    return Thresholds(*(value + SAME_DISTANCE for value in (paper if schedule == "paper" else damper)))
+    on, distant, critical = (d + SAME_DISTANCE for d in (paper if schedule == "paper" else damper))
+    return Thresholds(max(on, p.d_active + SAME_DISTANCE), on, distant, critical)
 
 
 @dataclass(frozen=True)

@@ -87,7 +87,7 @@ class ReferenceController:
             return self._safe_stop(fault, q)
         self._arm.move_to(q)
         points = self._sensors.see(self._arm, measurement)
-        influence = max(avoidance.thresholds(self._schedule, p).on, p.d_active)
+        influence = avoidance.thresholds(self._schedule, p).influence
         nearest = avoidance.nearest_points(self._arm, self._capsules, points, influence)
         if nearest.inside:
             return self._safe_stop(Status.FAULT_OBSTACLE_INSIDE, q)
