@@ -130,12 +130,16 @@ static double normalise(double *row, int count) {
   return factor;
 }
 
-/* lb <= x <= ub in terms of u: row i of R^-1, scaled. Sets DAQP's tolerance to what can be told from noise.
- */
+/* The greater one; fmax would be a call into the C library. */
+static double greater(double a, double b) {
+  return a > b ? a : b;
+}
+
+/* lb <= x <= ub in terms of u: row i of R^-1, scaled. Sets DAQP's tolerance to what can be told from noise. */
 static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][N]) {
   double greatest = 0.0;
   for (int j = 0; j < N; j++)
-    greatest = fmax(greatest, fabs(solver->v[j]));
+    greatest = greater(greatest, fabs(solver->v[j]));
   solver->settings.primal_tol = PRIMAL_TOLERANCE;
   for (int i = 0; i < N; i++) {
     double *row = packed_row(solver->Rinv, i), shift = 0.0;
@@ -144,7 +148,7 @@ static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][
     for (int j = i; j < N; j++)
       shift += row[j] * solver->v[j];
     solver->scaling[i] = scaling;
-    solver->settings.primal_tol = fmax(solver->settings.primal_tol, NOISE * greatest / scaling);
+    solver->settings.primal_tol = greater(solver->settings.primal_tol, NOISE * greatest / scaling);
     solver->dlower[i] = qp->lb[i] * scaling + shift;
     solver->dupper[i] = qp->ub[i] * scaling + shift;
   }
