@@ -135,7 +135,7 @@ static double greater(double a, double b) {
   return a > b ? a : b;
 }
 
-/* lb <= x <= ub in terms of u: row i of R^-1, scaled. Sets DAQP's tolerance to what can be told from noise. */
+/* lb <= x <= ub in terms of u: row i of R^-1, scaled. Sets the tolerance to what can be told from noise. */
 static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][N]) {
   double greatest = 0.0;
   for (int j = 0; j < N; j++)
