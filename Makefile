@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test lint golden golden-check images constraints clean
+.PHONY: help setup demo embed test lint golden golden-check images constraints clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -37,6 +37,9 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 
 demo: setup  ## the paper's gap: generate, compile, run, compare with the reference, report in out/demo
 	@$(BIN)/python examples/demo.py
+
+embed: setup  ## recorded runs on emulated aarch64 and Cortex-M7: the same commands? instructions, sizes
+	@$(BIN)/python examples/embed/elsewhere/run.py
 
 test: lint golden-check  ## everything: lint, committed generated code, all tests
 	@$(BIN)/python -m pytest -n 2

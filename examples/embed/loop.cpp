@@ -1,0 +1,104 @@
+// The same loop in C++17: a range sensor that sees something, thresholds changed while it runs, diagnostics.
+//
+//     loop [SECONDS]
+#include <iiwa7/controller.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <thread>
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+
+namespace {
+
+constexpr milliseconds period{1};
+
+// Wakes at absolute deadlines, and keeps count of what came too late.
+class Metronome {
+public:
+  // False if the next deadline has passed by more than a period: the caller leaves this cycle out.
+  bool wait() {
+    deadline_ += period;
+    if (Clock::now() >= deadline_ + period) {
+      skipped_++;
+      return false;
+    }
+    std::this_thread::sleep_until(deadline_);
+    latest_ = std::max(latest_, Clock::now() - deadline_);
+    return true;
+  }
+  void finish() {
+    cycles_++;
+    overruns_ += Clock::now() >= deadline_ + period;
+  }
+  double time() const {
+    return std::chrono::duration<double>(Clock::now() - begin_).count();
+  }
+  void report() const {
+    const auto late = std::chrono::duration_cast<microseconds>(latest_).count();
+    std::printf("cycles: %ld at 1 kHz, %ld deadlines left out\n", cycles_, skipped_);
+    std::printf("overruns: %ld; started at most %ld us late\n", overruns_, static_cast<long>(late));
+  }
+
+private:
+  Clock::time_point begin_ = Clock::now(), deadline_ = begin_;
+  Clock::duration latest_{};
+  long cycles_ = 0, overruns_ = 0, skipped_ = 0;
+};
+
+bool set_up(iiwa7::Controller &controller) {
+  iiwa7::Parameters parameters{};
+  if (controller.get(parameters) != PG_SOLVED) return false;
+  parameters.period = std::chrono::duration<double>(period).count();
+  parameters.max_period = 0.02; // a cycle that comes later brakes
+  return controller.set(parameters) == PG_SOLVED;
+}
+
+// Keeps more distance from now on.
+bool be_careful(iiwa7::Controller &controller) {
+  iiwa7::Parameters parameters{};
+  if (controller.get(parameters) != PG_SOLVED) return false;
+  parameters.d_a = 0.40;
+  parameters.d_0u = 0.30;
+  return controller.set(parameters) == PG_SOLVED;
+}
+
+} // namespace
+
+int main(int argc, char **argv) {
+  const long count = std::lround((argc > 1 ? std::atof(argv[1]) : 2.0) * 1000.0);
+  iiwa7::Controller controller;
+  if (!controller || !set_up(controller)) {
+    std::printf("no controller: %s\n", iiwa7_status_name(controller.status()));
+    return 1;
+  }
+  iiwa7::JointVector q{0.0, 0.5, 0.0, -1.5, 0.0, 1.0, 0.0};
+  double nearest = INFINITY;
+  Metronome metronome;
+  for (long passed = 0; passed < count; passed++) {
+    if (!metronome.wait()) continue;
+    iiwa7::Measurement seen; // nothing, but
+    seen.time = metronome.time();
+    seen.tof_range[0] = 0.15 + 0.10 * std::cos(seen.time); // [m] what the first module sees
+    const iiwa7::Command command = controller.step(q, {0.0, 0.05, 0.0}, seen);
+    if (command.status < PG_SOLVED) return 1; // a wrong call
+    for (std::size_t j = 0; j < q.size(); j++)
+      q[j] += 1e-3 * command.qdot[j];
+    for (const double distance : controller.diagnostics()->distance)
+      nearest = std::min(nearest, distance);
+    metronome.finish();
+    if (passed == count / 2 && !be_careful(controller)) return 1;
+  }
+  metronome.report();
+  const iiwa7::Counters counters = controller.counters();
+  for (int status = 0; status < 32; status++)
+    if (counters.status_count[status])
+      std::printf("%s: %llu\n", iiwa7_status_name(static_cast<pg_status_t>(status)),
+                  counters.status_count[status]);
+  std::printf("nearest: %.3f m\n", nearest);
+}
