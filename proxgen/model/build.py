@@ -6,6 +6,7 @@ import numpy as np
 
 from proxgen.config.schema import ROWS_OF_KIND, Config
 from proxgen.errors import ConfigError, Problem, unknown_name
+from proxgen.model.buried import buried_cuffs
 from proxgen.model.frames import axis_basis
 from proxgen.model.robot_model import Array, CapsuleModel, RobotModel
 from proxgen.model.skin import sensor_modules
@@ -43,7 +44,7 @@ def build_model(config: Config) -> RobotModel:
     tool = frame_named(reduced, config.robot.tool)
     tool_in_body = np.array(tool.placement.homogeneous)
     tool_in_body[:3, 3] += tool_in_body[:3, :3] @ np.array(config.robot.tool_offset)
-    return RobotModel(
+    model = RobotModel(
         name=config.robot.name,
         pin_model=reduced,
         drives=drives(urdf, reduced, controlled),
@@ -59,6 +60,10 @@ def build_model(config: Config) -> RobotModel:
         capsules=_capsules(config, reduced),
         modules=sensor_modules(config.skin, reduced),
     )
+    problems = buried_cuffs(config, model)
+    if problems:
+        raise ConfigError(problems)
+    return model
 
 
 def _frame_problems(config: Config, pin_model: Any) -> list[Problem]:

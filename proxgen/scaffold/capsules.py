@@ -24,6 +24,7 @@ class CapsuleProposal:
         end: (3,) in the frame, nearer to the tool [m].
         radius: [m]; None if the URDF has no geometry to take it from.
         note: links of the body that have no geometry; empty if all have.
+        onwards: (3,) unit vector from the joint to the next one or to the tool, in the frame.
     """
 
     name: str
@@ -33,6 +34,7 @@ class CapsuleProposal:
     end: Array
     radius: float | None
     note: str
+    onwards: Array
 
     @property
     def length(self) -> float:
@@ -53,15 +55,28 @@ def propose_capsules(bodies: tuple[ArmBody, ...]) -> list[CapsuleProposal]:
             fitted = rounded(body.cloud, body.outlet)
             note = f"without geometry: {', '.join(body.bare)}" if body.bare else ""
             ends = fitted.start, fitted.end
-            proposals.append(CapsuleProposal(name, index, body.link, *ends, fitted.radius, note))
+            proposals.append(
+                CapsuleProposal(name, index, body.link, *ends, fitted.radius, note, _onwards(body, fitted))
+            )
     if proposals:
         return proposals
     lengths = [float(np.linalg.norm(body.outlet)) for body in bodies]
     return [
-        CapsuleProposal(name, index, body.link, np.zeros(3), np.round(body.outlet, 4) + 0.0, None, "")
+        CapsuleProposal(
+            name, index, body.link, np.zeros(3), np.round(body.outlet, 4) + 0.0, None, "", body.outlet
+        )
         for index, name, body in named
         if lengths[index] >= 0.1 * max(lengths)
     ]
+
+
+def _onwards(body: ArmBody, fitted: FittedCapsule) -> Array:
+    """Direction from a body's joint to where the next one is attached, or else to its middle."""
+    for way in (body.outlet, 0.5 * (fitted.start + fitted.end)):
+        length = float(np.linalg.norm(way))
+        if length > 0.1 * fitted.radius:
+            return way / length
+    return np.array([0.0, 0.0, 1.0])
 
 
 def rounded(cloud: Cloud, outlet: Array) -> FittedCapsule:

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from proxgen.model.frames import axis_basis
+from proxgen.model.posture import Posture
 from proxgen.model.robot_model import Array
 from proxgen.scaffold.capsules import CapsuleProposal
-from proxgen.scaffold.postures import Posture
 
 GAP = 0.01
 """Distance of the modules from the capsule's surface [m]."""
@@ -33,8 +33,8 @@ class CuffProposal:
     Attributes:
         name: an identifier, after the link.
         frame: the link.
-        origin: (3,) the start of the capsule's axis [m].
-        axis: (3,) along the capsule.
+        origin: (3,) a point on its axis [m].
+        axis: (3,) unit vector.
         rings: one or two.
         hand: on the last link, where modules also look ahead.
     """
@@ -52,7 +52,7 @@ def propose_cuffs(capsules: list[CapsuleProposal], postures: list[Posture]) -> l
 
     Args:
         capsules: with radii, in the order of the postures' model.
-        postures: in none of these may a module lie inside another link's capsule.
+        postures: the start, and others to see whether a place lies inside another link.
 
     Returns:
         Base to tool; a link on which no ring fits is left out.
@@ -69,27 +69,53 @@ def _cuff(
 ) -> CuffProposal | None:
     """The cuff of one link, or None if every place for a ring lies inside another link."""
     capsule = capsules[index]
-    radius = math.ceil(((capsule.radius or 0.0) + GAP) * 1000.0) / 1000.0
-    along = capsule.end - capsule.start
-    axis = along / capsule.length if capsule.length > 0.0 else np.array([0.0, 0.0, 1.0])
-    places = np.linspace(0.0, capsule.length, 21) if capsule.length > 0.0 else np.zeros(1)
-    free = [place for place in places if _is_free(index, capsule, axis, place, radius, postures)]
+    tube = _crosswise(capsule) if hand and capsule.length < (capsule.radius or 0.0) else _lengthwise(capsule)
+    free = [float(place) for place in tube.places if _is_free(index, tube, place, postures)]
     if not free:
         return None
-    count = int(np.clip(round(2.0 * math.pi * radius / _SPACING), 4, 12))
+    count = int(np.clip(round(2.0 * math.pi * tube.radius / _SPACING), 4, 12))
     low, high = free[0], free[-1]
     rings: tuple[RingProposal, ...]
-    if hand:
-        rings = (RingProposal(round(_nearest(free, 0.5 * (low + high)), 3), radius, max(count, 8), 0.0),)
-    elif high - low < 0.06:
-        rings = (RingProposal(round(_nearest(free, 0.5 * (low + high)), 3), radius, 2 * count, 0.0),)
+    if hand or high - low < 0.06:
+        place = _nearest(free, 0.5 * (low + high))
+        rings = (RingProposal(round(place, 3), tube.radius, max(count, 8) if hand else 2 * count, 0.0),)
     else:
         first, second = (_nearest(free, low + part * (high - low)) for part in (0.2, 0.8))
         rings = (
-            RingProposal(round(first, 3), radius, count, 0.0),
-            RingProposal(round(second, 3), radius, count, 0.5),
+            RingProposal(round(first, 3), tube.radius, count, 0.0),
+            RingProposal(round(second, 3), tube.radius, count, 0.5),
         )
-    return CuffProposal(f"{capsule.name[:35]}_cuff", capsule.frame, capsule.start, axis, rings, hand)
+    name = f"{capsule.name[:35]}_cuff"
+    return CuffProposal(name, capsule.frame, tube.origin, tube.axis, rings, hand)
+
+
+@dataclass(frozen=True)
+class _Tube:
+    """Where rings of one cuff may lie: around an axis, outside the capsule."""
+
+    origin: Array
+    axis: Array
+    radius: float
+    places: Array
+
+
+def _lengthwise(capsule: CapsuleProposal) -> _Tube:
+    """Rings around the capsule's axis."""
+    axis = (capsule.end - capsule.start) / capsule.length if capsule.length > 0.0 else capsule.onwards
+    radius = _outside(capsule.radius or 0.0)
+    return _Tube(capsule.start, axis, radius, np.linspace(0.0, capsule.length, 21))
+
+
+def _crosswise(capsule: CapsuleProposal) -> _Tube:
+    """Rings around the way to the tool, for a hand whose capsule is short or lies across."""
+    radius = _outside(0.5 * capsule.length + (capsule.radius or 0.0))
+    middle = np.round(0.5 * (capsule.start + capsule.end), 4) + 0.0
+    return _Tube(middle, capsule.onwards, radius, np.linspace(-0.3 * radius, 0.6 * radius, 21))
+
+
+def _outside(radius: float) -> float:
+    """Radius of a ring around a radius, in whole millimetres."""
+    return math.ceil((radius + GAP) * 1000.0) / 1000.0
 
 
 def _nearest(places: list[float], wanted: float) -> float:
@@ -97,22 +123,21 @@ def _nearest(places: list[float], wanted: float) -> float:
     return float(min(places, key=lambda place: abs(place - wanted)))
 
 
-def _is_free(
-    index: int, capsule: CapsuleProposal, axis: Array, place: float, radius: float, postures: list[Posture]
-) -> bool:
-    """Whether a circle of modules lies outside all other links in all postures."""
-    basis = axis_basis(axis)
+def _is_free(index: int, tube: _Tube, place: float, postures: list[Posture]) -> bool:
+    """Whether a circle of modules lies outside all other links: in the first posture and nearly all others.
+
+    An arm that folds can always touch its own cuffs in some postures.
+    """
+    basis = axis_basis(tube.axis)
     angles = 2.0 * math.pi * np.arange(24) / 24
-    circle = (
-        capsule.start
-        + place * axis
-        + radius * (np.outer(np.cos(angles), basis[:, 0]) + np.outer(np.sin(angles), basis[:, 1]))
-    )
+    around = np.outer(np.cos(angles), basis[:, 0]) + np.outer(np.sin(angles), basis[:, 1])
+    circle = tube.origin + place * tube.axis + tube.radius * around
+    free = []
     for posture in postures:
         capsules = posture.model.capsules
         own = capsules[index].body
         others = [other.body != own for other in capsules]
         pose = posture.poses[own]  # of the capsule's frame, too: it is the joint's child link
-        if any(others) and posture.gaps(circle @ pose[:3, :3].T + pose[:3, 3])[:, others].min() < 0.0:
-            return False
-    return True
+        gaps = posture.gaps(circle @ pose[:3, :3].T + pose[:3, 3])[:, others]
+        free.append(bool(gaps.min(initial=np.inf) > 0.0))
+    return free[0] and sum(free) >= 0.85 * len(free)

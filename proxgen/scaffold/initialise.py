@@ -13,11 +13,12 @@ from proxgen.config.loader import load
 from proxgen.config.urdf import PACKAGE, resolve_urdf
 from proxgen.errors import ConfigError, ModelError, Problem, ProxgenWarning
 from proxgen.model import RobotModel, build_model
+from proxgen.model.posture import Posture, sampling_ranges
 from proxgen.scaffold.capsules import CapsuleProposal, propose_capsules
 from proxgen.scaffold.chain import Arm, read_arm
 from proxgen.scaffold.cuffs import propose_cuffs
 from proxgen.scaffold.names import robot_name
-from proxgen.scaffold.postures import Posture, ranges, start_posture, task_rows
+from proxgen.scaffold.postures import start_posture, task_rows
 from proxgen.scaffold.render import Sheet, Stopgaps, render_robot, render_scene
 from proxgen.scaffold.scene import propose_scene
 
@@ -91,7 +92,7 @@ def _draft_model(text: str) -> RobotModel:
 def _some_postures(start: Posture) -> list[Posture]:
     """The start, the zero posture, and some in the middle of the joints' ranges."""
     model, rng = start.model, np.random.default_rng(3)
-    lower, upper = ranges(model)
+    lower, upper = sampling_ranges(model)
     middle, quarter = 0.5 * (lower + upper), 0.25 * (upper - lower)
     postures = [start, Posture(model, np.clip(0.0, lower, upper))]
     for _ in range(_CUFF_POSTURES):

@@ -18,7 +18,7 @@ from proxgen.scaffold.cuffs import GAP, CuffProposal
 from proxgen.scaffold.scene import SceneProposal, Thresholds
 
 WIDTH = 110
-_PLAIN = re.compile(r"^[A-Za-z_/][A-Za-z0-9_./-]*$")
+_PLAIN = re.compile(r"^(\.{1,2}/)*[A-Za-z_/][A-Za-z0-9_./-]*$")
 _NOT_STRINGS = frozenset({"true", "false", "yes", "no", "on", "off", "y", "n", "null"})
 
 
@@ -198,8 +198,16 @@ def scalar(text: str) -> str:
 
 def comment(text: str, start: str) -> str:
     """Text as comment lines; `start` opens the first line, its indentation and # the others."""
-    indent = start[: start.index("#") + 1] + " "
-    wrapped = textwrap.wrap(_one_line(text), WIDTH, initial_indent=start, subsequent_indent=f"{indent}  ")
+    indent = start[: start.index("#") + 1]
+    words = _one_line(start[len(indent) :] + text)
+    wrapped = textwrap.wrap(
+        words,
+        WIDTH,
+        initial_indent=f"{indent} ",
+        subsequent_indent=f"{indent}   ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
     return "\n".join(wrapped)
 
 

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from proxgen.model.posture import Posture
 from proxgen.model.robot_model import Array
-from proxgen.scaffold.postures import Posture, neighbours
+from proxgen.scaffold.postures import neighbours
 
 _DIRECTIONS = 16
 

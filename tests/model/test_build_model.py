@@ -127,6 +127,11 @@ def test_snapped_rotations_stay_rotations() -> None:
             "unknown joint 'joint_7'",
         ),
         ("tool: tool}|tool: link_0}", "robot.tool", "no moving joint between the base and the tool frame"),
+        (
+            "end: [0, 0, 0.2], radius: 0.05|end: [0, 0, 0.2], radius: 0.7",
+            "skin.cuffs.0",
+            "5 of the 5 modules of cuff 'hand' lie inside the capsule 'link_1' of another link",
+        ),
     ],
 )
 def test_mistakes_name_key_line_and_nearest(tmp_path: Path, change: str, key: str, message: str) -> None:
