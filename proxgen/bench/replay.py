@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from proxgen.bench.inputs import Inputs
 from proxgen.builder import build
-from proxgen.builder.solvers import find_solver
-from proxgen.builder.sources import runtime_directory, runtime_units
-from proxgen.builder.toolchain import find_toolchain, run, run_all
+from proxgen.builder.program import compile_program
+from proxgen.builder.sources import runtime_directory
+from proxgen.builder.toolchain import run
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array
 from proxgen.errors import BuildError
@@ -63,28 +63,8 @@ def compile_replay(config: Config, backend: str, directory: Path) -> Path:
         BuildError: the compiler refuses, or something is missing.
     """
     built = build(config, directory / "controller", backend)
-    solver, runtime = find_solver(backend), runtime_directory()
-    toolchain = find_toolchain(cxx=solver.cxx)
-    includes = [built.generated, runtime / "src", runtime / "include", solver.include]
-    flags = [f"-I{path}" for path in includes]
-    sources = [*runtime_units(backend), *solver.units, *sorted(built.generated.glob("*.c"))]
-    sources.append(runtime / "bench" / "replay.c")
-    objects = [directory / f"{index}_{source.stem}.o" for index, source in enumerate(sources)]
-    run_all(
-        (
-            [*toolchain.compile_command(source), *flags, "-c", str(source), "-o", str(target)],
-            f"cannot compile {source.name}",
-        )
-        for source, target in zip(sources, objects, strict=True)
-    )
-    program = directory / "replay"
-    libraries = [str(solver.library), f"-Wl,-rpath,{solver.library.parent}"] if solver.library else []
-    names = [str(path) for path in objects]
-    run(
-        [*toolchain.linker, *toolchain.ldflags, *names, *libraries, "-lm", "-o", str(program)],
-        "cannot link the replay",
-    )
-    return program
+    main = runtime_directory() / "bench" / "replay.c"
+    return compile_program(main, built.generated, backend, directory / "replay")
 
 
 def replay(program: Path, inputs: Inputs, backend: str, directory: Path, replays: int) -> Replay:
