@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo embed test lint golden golden-check images constraints clean
+.PHONY: help setup demo bench embed test lint golden golden-check images constraints clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -40,6 +40,10 @@ demo: setup  ## the paper's gap: generate, compile, run, compare with the refere
 
 embed: setup  ## recorded runs on emulated aarch64 and Cortex-M7: the same commands? instructions, sizes
 	@$(BIN)/python examples/embed/elsewhere/run.py
+
+bench: setup  ## cycle times of both back ends on this machine, in out/bench.json and out/bench.png
+	@mkdir -p out
+	@$(BIN)/proxgen bench --json out/bench.json --plot out/bench.png
 
 test: lint golden-check  ## everything: lint, committed generated code, all tests
 	@$(BIN)/python -m pytest -n 2
