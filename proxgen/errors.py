@@ -18,7 +18,8 @@ class ProxgenError(Exception):
     """Base of all errors of proxgen.
 
     Attributes:
-        exit_status: what the command line returns for it: 2 for bad input, 1 for anything else.
+        exit_status: what the command line returns for it: 2 for input or tools that the user can mend,
+            1 for anything else.
     """
 
     exit_status = 1
@@ -83,6 +84,8 @@ class BuildError(ProxgenError):
         command: the command line that failed.
         output: everything that the compiler said, uncut.
     """
+
+    exit_status = 2
 
     def __init__(self, message: str, command: Sequence[str] = (), output: str = "") -> None:
         """Show the message first, then the command and the whole output."""

@@ -15,7 +15,7 @@ from proxgen.errors import BuildError, ProxgenWarning
 
 ROOT = Path(__file__).parent.parent
 PLANAR2 = str(ROOT / "examples" / "planar2" / "planar2.yaml")
-VERBS = "build, check, compare, generate, init, run, schema"
+VERBS = "bench, build, check, compare, generate, init, run, schema"
 
 RUN_KEYS = {
     "scene", "controller", "backend", "sensing", "seed", "duration_s", "cycles", "targets_reached",
@@ -171,7 +171,7 @@ def test_a_failure_has_its_status_and_no_traceback(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     failures: dict[int, BaseException] = {
-        1: BuildError("the compiler refused the code", ["cc", "-c", "a.c"], "a.c:1: error\n"),
+        2: BuildError("the compiler refused the code", ["cc", "-c", "a.c"], "a.c:1: error\n"),
         130: KeyboardInterrupt(),
     }
     for status, failure in failures.items():

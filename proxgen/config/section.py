@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 from proxgen.config.quantities import Length, Number
 
 Flag = StrictBool
-Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*$", max_length=40)]
+Name = Annotated[str, Field(pattern=r"^[a-z][a-z0-9]*(_[a-z0-9]+)*$", max_length=40)]
 Vector3 = tuple[Annotated[float, Length()], Annotated[float, Length()], Annotated[float, Length()]]
 Direction = tuple[Annotated[float, Number()], Annotated[float, Number()], Annotated[float, Number()]]
 

@@ -12,6 +12,7 @@ from proxgen.config.hashing import config_hash
 from proxgen.config.json_schema import robot_schema, scene_schema
 from proxgen.config.keys import keys_of
 from proxgen.config.layers import PRESETS
+from proxgen.config.loader import is_scene
 from proxgen.config.ranges import RANGES
 from proxgen.config.reference_page import configuration_page
 from proxgen.config.scene import Scene
@@ -19,8 +20,9 @@ from proxgen.config.schema import Config
 from proxgen.config.yaml_lines import read_yaml
 
 ROOT = Path(__file__).parents[2]
-ROBOTS = sorted(path for path in (ROOT / "examples").glob("*/*.yaml") if path.parent.name != "scenes")
-SCENES = sorted((ROOT / "examples" / "scenes").glob("*.yaml"))
+FILES = sorted((ROOT / "examples").glob("*/*.yaml"))
+SCENES = [path for path in FILES if is_scene(path)]
+ROBOTS = [path for path in FILES if path not in SCENES]
 
 
 def accepts(schema: dict[str, Any], content: Any) -> bool:

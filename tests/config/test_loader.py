@@ -5,6 +5,8 @@ import pytest
 from pydantic import ValidationError
 
 from proxgen.config import Config, load
+from proxgen.config.loader import is_scene
+from proxgen.config.scene import Scene, load_scene
 from proxgen.config.schema import Avoidance
 from proxgen.errors import Problem
 
@@ -61,7 +63,9 @@ def test_the_urdf_is_found_from_any_folder(folder: Path, monkeypatch: pytest.Mon
 
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*/*.yaml")), ids=lambda path: path.stem)
 def test_every_example_loads(path: Path) -> None:
-    if path.parent.name != "scenes":
+    if is_scene(path):
+        assert isinstance(load_scene(path), Scene)
+    else:
         assert isinstance(load(path), Config)
 
 
