@@ -47,7 +47,7 @@ def add_verbs(verbs: Any) -> None:
         "--scene",
         action="append",
         metavar="NAME|FILE",
-        help="may be given several times; default: every scene whose start fits the robot",
+        help="may be given several times; default: ROBOT_scene.yaml beside CONFIG, or every scene that fits",
     )
     add_sensing_and_duration(compare)
     compare.add_argument("--out", type=Path, metavar="DIR", help="write the logs and a report there")
@@ -147,9 +147,12 @@ def _controller(name: str, config: "Config", model: "RobotModel") -> "Controller
 
 
 def _fitting_scenes(beside: Path, model: "RobotModel") -> "list[Scene]":
-    """All scenes that can be found and whose start the arm can take."""
+    """The scene beside the robot's file that `init` wrote; else all that the arm can start in."""
     from proxgen.config.scene import load_scene, scene_names
 
+    own = beside.with_name(f"{beside.stem}_scene.yaml")
+    if own.is_file():
+        return [load_scene(own)]
     scenes: list[Scene] = []
     refusals: list[Problem] = []
     for name in scene_names(beside):

@@ -9,6 +9,7 @@ from proxgen.model.frames import axis_basis
 from proxgen.model.posture import Posture
 from proxgen.model.robot_model import Array
 from proxgen.scaffold.capsules import CapsuleProposal
+from proxgen.scaffold.names import distinct
 
 GAP = 0.01
 """Distance of the modules from the capsule's surface [m]."""
@@ -60,12 +61,16 @@ def propose_cuffs(capsules: list[CapsuleProposal], postures: list[Posture]) -> l
     between = list(range(len(capsules)))[1:-1] if len(capsules) > 3 else list(range(len(capsules)))[:-1]
     longest = sorted(between, key=lambda index: -capsules[index].length)[:_LONG]
     chosen = [*sorted(longest), len(capsules) - 1] if capsules else []
-    cuffs = [_cuff(index, capsules, postures, hand=index == len(capsules) - 1) for index in chosen]
+    names = distinct(f"{capsules[index].name}_cuff" for index in chosen)
+    cuffs = [
+        _cuff(name, index, capsules, postures, hand=index == len(capsules) - 1)
+        for name, index in zip(names, chosen, strict=True)
+    ]
     return [cuff for cuff in cuffs if cuff is not None]
 
 
 def _cuff(
-    index: int, capsules: list[CapsuleProposal], postures: list[Posture], *, hand: bool
+    name: str, index: int, capsules: list[CapsuleProposal], postures: list[Posture], *, hand: bool
 ) -> CuffProposal | None:
     """The cuff of one link, or None if every place for a ring lies inside another link."""
     capsule = capsules[index]
@@ -85,7 +90,6 @@ def _cuff(
             RingProposal(round(first, 3), tube.radius, count, 0.0),
             RingProposal(round(second, 3), tube.radius, count, 0.5),
         )
-    name = f"{capsule.name[:35]}_cuff"
     return CuffProposal(name, capsule.frame, tube.origin, tube.axis, rings, hand)
 
 

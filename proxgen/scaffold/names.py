@@ -22,10 +22,15 @@ def identifier(text: str, prefix: str = "part") -> str:
     return name[:MAX_LENGTH].rstrip("_")
 
 
+def shortened(name: str, ending: str) -> str:
+    """An identifier with an ending, cut before it where it would be too long."""
+    return name[: MAX_LENGTH - len(ending)].rstrip("_") + ending
+
+
 def robot_name(text: str) -> str:
     """An identifier that can be the prefix of C symbols."""
     name = identifier(text, "robot")
-    return f"{name[: MAX_LENGTH - 6]}_robot" if name in RESERVED_NAMES else name
+    return shortened(name, "_robot") if name in RESERVED_NAMES else name
 
 
 def distinct(texts: Iterable[str]) -> list[str]:
@@ -35,7 +40,7 @@ def distinct(texts: Iterable[str]) -> list[str]:
         name, number = identifier(text), 2
         while name in names:
             ending = f"_{number}"
-            name = identifier(text)[: MAX_LENGTH - len(ending)] + ending
+            name = shortened(identifier(text), ending)
             number += 1
         names.append(name)
     return names

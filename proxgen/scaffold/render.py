@@ -15,6 +15,7 @@ from proxgen.model.robot_model import Array
 from proxgen.scaffold.capsules import CapsuleProposal
 from proxgen.scaffold.chain import Arm, ArmJoint
 from proxgen.scaffold.cuffs import GAP, CuffProposal
+from proxgen.scaffold.names import shortened
 from proxgen.scaffold.scene import SceneProposal, Thresholds
 
 WIDTH = 110
@@ -146,7 +147,7 @@ def render_scene(sheet: Sheet, arm: Arm, scene: SceneProposal, config_name: str,
         .get_template("scene.yaml.j2")
         .render(
             robot=sheet.robot,
-            name=f"{sheet.robot[:33]}_scene",
+            name=shortened(sheet.robot, "_scene"),
             config_name=config_name,
             scene_name=scene_name,
             scene=scene,
