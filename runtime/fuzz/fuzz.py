@@ -1,4 +1,4 @@
-"""Fuzzes the step function for a while: `python runtime/fuzz/run.py [SECONDS]` (part of `make sanitize`).
+"""Fuzzes the step function for a while: `python runtime/fuzz/fuzz.py [SECONDS]` (part of `make sanitize`).
 
 libFuzzer starts from the committed corpus and follows what new code its inputs reach, in the planar arm's
 controller, with AddressSanitizer and UndefinedBehaviorSanitizer. Inputs that break a promise are kept in
