@@ -48,7 +48,7 @@ LIBRARIES: dict[str, set[str]] = {
     "pybullet_data": {"simulation.world"},
     "ruckig": {"simulation.cabinet"},
     "casadi": {"symbolic", "emit"},
-    "pinocchio": {"model", "symbolic", "controllers.reference"},
+    "pinocchio": {"model", "symbolic", "controllers.reference", "bench.peers.with_pink"},
     "quadprog": {"controllers.reference", "scaffold.fit"},
     "coal": {"scaffold.meshes"},
     "matplotlib": {"report"},

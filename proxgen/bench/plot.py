@@ -1,11 +1,12 @@
-"""How the times of whole cycles are spread: one curve per set of inputs and back end."""
+"""How the times of whole cycles are spread, and what they are beside those of peers."""
 
 from pathlib import Path
 
 import numpy as np
 
+from proxgen.bench.peers import PeerBenchmark
 from proxgen.bench.run import Benchmark
-from proxgen.report.style import SERIES, house_style, legend_above, new_figure, save
+from proxgen.report.style import BLUE, SERIES, STEEL, house_style, legend_above, new_figure, save
 
 
 def draw_times(benchmark: Benchmark, path: Path) -> Path:
@@ -42,4 +43,34 @@ def draw_times(benchmark: Benchmark, path: Path) -> Path:
             axes.axhline(level, color="#7b8794", linewidth=0.6)
             axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), ha="right", va="bottom")
         legend_above(axes, columns=4)
+        return save(figure, path)
+
+
+def draw_peers(benchmark: PeerBenchmark, path: Path) -> Path:
+    """Draw the median time of a cycle of every controller, scene by scene, on a logarithmic scale.
+
+    Args:
+        benchmark: what was measured.
+        path: the PNG to write.
+
+    Returns:
+        The file.
+    """
+    bars: list[tuple[str, float, bool]] = []
+    for result in benchmark.results:
+        scene = result["name"].partition(":")[0]
+        own = [(f"proxgen {name}, {scene}", of["p50_us"], True) for name, of in result["against"].items()]
+        bars += [bar for bar in own if bar[0] not in {name for name, _, _ in bars}]
+        bars.append((f"{result['backend']}, {scene}", result["p50_us"], False))
+    bars.sort(key=lambda bar: bar[1])
+    with house_style():
+        figure = new_figure(0.6 + 0.26 * len(bars))
+        axes = figure.subplots()
+        times = [time for _, time, _ in bars]
+        colours = [BLUE if own else STEEL for _, _, own in bars]
+        axes.barh([name for name, _, _ in bars], times, color=colours, height=0.7)
+        for place, time in enumerate(times):
+            axes.annotate(f"{time:.3g}", (time, place), (3, 0), textcoords="offset points", va="center")
+        axes.set(xscale="log", xlabel="median time of a cycle [µs]")
+        axes.invert_yaxis()
         return save(figure, path)

@@ -1,6 +1,5 @@
 """`proxgen bench`: record, replay from C with both back ends and from Python, and put it into numbers."""
 
-import platform
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -11,13 +10,13 @@ from typing import Any
 import numpy as np
 
 from proxgen.bench.inputs import Inputs, crowded, record
+from proxgen.bench.machine import describe_machine
 from proxgen.bench.replay import BUILD_STAGES, STAGES, Replay, compile_replay, instructions_per_cycle, replay
-from proxgen.builder.toolchain import find_toolchain
+from proxgen.bench.timing import timing_row
 from proxgen.config.scene import Scene
 from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
-from proxgen.controllers.protocol import Array
-from proxgen.model import RobotModel, build_model
+from proxgen.model import build_model
 
 BACKENDS = ("daqp", "qpoases")
 
@@ -99,22 +98,7 @@ def run_benchmark(
                 rows.append(_python_row(controllers[backend], inputs, backend))
                 kept.append(measured)
                 advance()
-    return Benchmark(_machine(model), tuple(rows), tuple(kept))
-
-
-def _row(name: str, backend: str, times: Array, **more: Any) -> dict[str, Any]:
-    """One result: percentiles of times [s], as microseconds."""
-    p50, p99, p999 = np.percentile(times, [50.0, 99.0, 99.9], method="higher") * 1e6
-    return {
-        "name": name,
-        "backend": backend,
-        "p50_us": float(p50),
-        "p99_us": float(p99),
-        "p999_us": float(p999),
-        "max_us": float(times.max() * 1e6),
-        "cycles_per_s": float(1.0 / times.mean()) if times.mean() > 0.0 else float("inf"),
-        **more,
-    }
+    return Benchmark(describe_machine(model), tuple(rows), tuple(kept))
 
 
 def _rows(measured: Replay, instructions: float | None) -> list[dict[str, Any]]:
@@ -123,17 +107,17 @@ def _rows(measured: Replay, instructions: float | None) -> list[dict[str, Any]]:
     whole = {**heap, "instructions_per_cycle": instructions, "worst_kkt_residual": measured.worst_residual}
     build = sum((measured.stages[stage] for stage in BUILD_STAGES), np.zeros(1))
     rows = [
-        _row(f"{measured.name}: cycle, raw", measured.backend, measured.whole.ravel(), **whole),
-        _row(
+        timing_row(f"{measured.name}: cycle, raw", measured.backend, measured.whole.ravel(), **whole),
+        timing_row(
             f"{measured.name}: cycle, best of {len(measured.whole)}",
             measured.backend,
             measured.whole.min(axis=0),
             **whole,
         ),
-        _row(f"{measured.name}: QP build, raw", measured.backend, build.ravel()),
+        timing_row(f"{measured.name}: QP build, raw", measured.backend, build.ravel()),
     ]
     return rows + [
-        _row(f"{measured.name}: {stage}, raw", measured.backend, measured.stages[stage].ravel())
+        timing_row(f"{measured.name}: {stage}, raw", measured.backend, measured.stages[stage].ravel())
         for stage in STAGES
     ]
 
@@ -146,35 +130,4 @@ def _python_row(controller: CompiledController, inputs: Inputs, backend: str) ->
         begin = time.perf_counter_ns()
         controller.step(q, xdot, seen)
         times[index] = (time.perf_counter_ns() - begin) * 1e-9
-    return _row(f"{inputs.name}: cycle from Python, raw", backend, times)
-
-
-def _machine(model: RobotModel) -> dict[str, str]:
-    """What it was measured on, and with."""
-    from importlib.metadata import version
-
-    cpu = next(
-        (
-            line.split(":", 1)[1].strip()
-            for line in Path("/proc/cpuinfo").read_text().splitlines()
-            if line.startswith("model name")
-        ),
-        platform.processor(),
-    )
-    compiler = find_toolchain(cxx=False).cc
-    return {
-        "processor": cpu,
-        "system": f"{platform.system()} {platform.release()}",
-        "python": platform.python_version(),
-        "compiler": _first_line([*compiler, "--version"]),
-        "robot": f"{model.name}: {model.n} joints, {len(model.capsules)} capsules, "
-        f"{len(model.tof_modules)} range sensors, {len(model.capacitive_modules)} switches",
-        **{name: version(name) for name in ("proxgen", "casadi", "cmeel-qpoases")},
-    }
-
-
-def _first_line(command: list[str]) -> str:
-    """First line of what a program says of itself."""
-    from proxgen.builder.toolchain import run
-
-    return run(command, f"cannot run {command[0]}").splitlines()[0]
+    return timing_row(f"{inputs.name}: cycle from Python, raw", backend, times)

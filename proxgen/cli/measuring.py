@@ -9,9 +9,14 @@ from proxgen.cli.output import columns, progress_bar, write_json
 
 if TYPE_CHECKING:
     from proxgen.bench import Benchmark
+    from proxgen.bench.peers import PeerBenchmark
+    from proxgen.config.scene import Scene
+    from proxgen.config.schema import Config
 
 EXAMPLE = Path("examples/iiwa7/iiwa7.yaml")
 SCENES = ("gap", "pillar", "moving")
+PEERS = Path("build/bench")
+"""Where the peers' environments are made, and kept."""
 
 
 def add_verbs(verbs: Any) -> None:
@@ -39,6 +44,11 @@ def add_verbs(verbs: Any) -> None:
     bench.add_argument(
         "--replays", type=whole_number, default=5, metavar="N", help="passes over each recording (default: 5)"
     )
+    bench.add_argument(
+        "--peers",
+        action="store_true",
+        help="instead: the same cycles through other controllers, each installed into build/bench",
+    )
     bench.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
     bench.add_argument("--plot", type=Path, metavar="FILE", help="draw the distributions there (PNG)")
     bench.set_defaults(carry_out=carry_out_bench)
@@ -46,19 +56,26 @@ def add_verbs(verbs: Any) -> None:
 
 def carry_out_bench(arguments: argparse.Namespace) -> int:
     """Measure, print a table, write what was asked for."""
-    from proxgen.bench import run_benchmark
     from proxgen.config import load
     from proxgen.config.scene import load_scene
 
     config = load(arguments.config)
     scenes = [load_scene(name, beside=arguments.config) for name in arguments.scene or SCENES]
+    if arguments.peers:
+        return _bench_peers(arguments, config, scenes)
+    return _bench_controller(arguments, config, scenes)
+
+
+def _bench_controller(arguments: argparse.Namespace, config: "Config", scenes: "list[Scene]") -> int:
+    """The compiled controller alone, stage by stage."""
+    from proxgen.bench import run_benchmark
+
     with progress_bar(f"{config.robot.name}: record and replay") as progress:
         benchmark = run_benchmark(
             config, scenes, duration=arguments.duration, replays=max(arguments.replays, 1), progress=progress
         )
     print(_table(benchmark))
-    for key, value in benchmark.machine.items():
-        print(f"{key}: {value}")
+    _print_machine(benchmark.machine)
     if arguments.json:
         write_json(arguments.json, benchmark.to_json())
     if arguments.plot:
@@ -66,6 +83,60 @@ def carry_out_bench(arguments: argparse.Namespace) -> int:
 
         print(f"plot: {draw_times(benchmark, arguments.plot)}")
     return 0
+
+
+def _bench_peers(arguments: argparse.Namespace, config: "Config", scenes: "list[Scene]") -> int:
+    """The compiled controller beside its peers; a peer that is missing is said so, and is no failure."""
+    from proxgen.bench.peers import run_peers
+
+    with progress_bar(f"{config.robot.name}: peers") as progress:
+        benchmark = run_peers(config, scenes, PEERS, duration=arguments.duration, progress=progress)
+    print(_peer_table(benchmark))
+    for name, reason in benchmark.failures.items():
+        print(f"NOT MEASURED: {name}: {reason}")
+    print("not alike:")
+    for name, differences in benchmark.not_alike.items():
+        for difference in differences:
+            print(f"  {name}: {difference}")
+    for name, versions in benchmark.versions.items():
+        print(f"{name}: " + ", ".join(f"{package} {version}" for package, version in versions.items()))
+    _print_machine(benchmark.machine)
+    if arguments.json:
+        write_json(arguments.json, benchmark.to_json())
+    if arguments.plot:
+        from proxgen.bench.plot import draw_peers
+
+        print(f"plot: {draw_peers(benchmark, arguments.plot)}")
+    return 0
+
+
+def _peer_table(benchmark: "PeerBenchmark") -> str:
+    """A line per peer, scene and back end: both medians, their ratio, and that of the single cycles."""
+    rows: list[tuple[str, ...]] = [
+        ("peer", "cycles of", "p50 us", "against", "p50 us", "ratio", "quartiles of cycles", "no answer")
+    ]
+    for result in benchmark.results:
+        for name, own in result["against"].items():
+            low, _, high = own["ratio_of_cycles"]
+            rows.append(
+                (
+                    result["backend"],
+                    result["name"].partition(":")[0],
+                    f"{result['p50_us']:.2f}",
+                    name,
+                    f"{own['p50_us']:.2f}",
+                    f"{own['ratio_of_p50']:.1f}",
+                    f"{low:.1f} to {high:.1f}",
+                    str(result.get("cycles_without_answer", "")),
+                )
+            )
+    return columns(rows)
+
+
+def _print_machine(machine: dict[str, str]) -> None:
+    """What it was measured on, and with."""
+    for key, value in machine.items():
+        print(f"{key}: {value}")
 
 
 def _table(benchmark: "Benchmark") -> str:

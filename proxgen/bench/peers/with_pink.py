@@ -1,0 +1,87 @@
+"""Pink: a position task, one position barrier per capsule that has an obstacle, joint limits."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from pink import Configuration, solve_ik
+from pink.barriers import PositionBarrier
+from pink.limits import ConfigurationLimit, VelocityLimit
+from pink.tasks import FrameTask
+
+_ALIGNED = {(1, 0, 0): "X", (0, 1, 0): "Y", (0, 0, 1): "Z"}
+
+
+def open_solver(arm: dict[str, Any]) -> Callable[..., Any]:
+    """A function from q, xdot, nearest obstacle points and the task point's next place to q̇."""
+    model = _pinocchio_model(arm)
+    configuration = Configuration(model, model.createData(), pin.neutral(model))
+    task = FrameTask("tool", position_cost=1.0, orientation_cost=0.0, lm_damping=arm["damping"])
+    goal = pin.SE3.Identity()
+    limits = (ConfigurationLimit(model), VelocityLimit(model))
+    period, speed = arm["period"], arm["approach_speed"]
+    gain = speed / (arm["d_a"] - arm["d_0u"])
+
+    def solve(q: Any, xdot: Any, points: Any, target: Any) -> Any:
+        configuration.update(q)
+        goal.translation = target
+        task.set_target(goal)
+        barriers = []
+        for index, point in enumerate(points):
+            if np.isnan(point[0]):
+                continue
+            frame = f"capsule_{index}"
+            place = configuration.get_transform_frame_to_world(frame).translation
+            axis = int(np.argmax(np.abs(point - place)))
+            side = 1.0 if point[axis] > place[axis] else -1.0
+            bound = np.array([point[axis] - side * arm["d_0u"]])
+            wall = {"p_max": bound} if side > 0.0 else {"p_min": bound}
+            barriers.append(PositionBarrier(frame, indices=[axis], gain=gain, **wall))
+        return solve_ik(
+            configuration,
+            [task],
+            period,
+            solver="quadprog",
+            damping=arm["damping"],
+            limits=limits,
+            barriers=barriers,
+            safety_break=False,
+        )
+
+    return solve
+
+
+def _pinocchio_model(arm: dict[str, Any]) -> Any:
+    """The arm as Pinocchio has it, with a frame at the tool and at the far end of each capsule's axis."""
+    model = pin.Model()
+    for joint in arm["joints"]:
+        letter = _ALIGNED.get(tuple(joint["axis"]))
+        kind = "P" if joint["prismatic"] else "R"
+        if letter:
+            made = getattr(pin, f"JointModel{kind}{letter}")()
+        else:
+            made = getattr(pin, f"JointModel{'Prismatic' if joint['prismatic'] else 'Revolute'}Unaligned")(
+                np.array(joint["axis"])
+            )
+        model.addJoint(
+            model.njoints - 1,
+            made,
+            pin.SE3(np.array(joint["placement"])),
+            joint["name"],
+            np.array([1e3]),
+            np.array([joint["velocity"]]),
+            np.array([joint["lower"]]),
+            np.array([joint["upper"]]),
+        )
+    tool = pin.SE3(np.array(arm["tool"]["placement"]))
+    _add_frame(model, "tool", arm["tool"]["body"], tool)
+    for index, capsule in enumerate(arm["capsules"]):
+        end = pin.SE3(np.eye(3), np.array(capsule["end"]))
+        _add_frame(model, f"capsule_{index}", capsule["body"], end)
+    return model
+
+
+def _add_frame(model: Any, name: str, body: int, placement: Any) -> None:
+    """A frame that moves with a body."""
+    model.addFrame(pin.Frame(name, body, 0, placement, pin.FrameType.OP_FRAME))
