@@ -9,6 +9,7 @@
  * of stage_names REPLAYS times CYCLES times [s], then CYCLES statuses. Every replay starts from a reset, so
  * that it repeats the recorded run to the last bit. */
 #define _POSIX_C_SOURCE 200809L
+#include "count_heap.h"
 #include "state.h"
 
 #include <stdio.h>
@@ -26,31 +27,6 @@ enum {
   STAGE_CERTIFICATE,
   STAGES
 };
-
-/* Counting stands in front of the C library's own functions, for every library in the process: the names have
- * to be visible to those, although everything here is compiled with hidden symbols. */
-#pragma GCC visibility push(default)
-extern void *__libc_malloc(size_t size);
-extern void *__libc_calloc(size_t count, size_t size);
-extern void *__libc_realloc(void *block, size_t size);
-static unsigned long long allocations;
-
-void *malloc(size_t size) {
-  allocations++;
-  return __libc_malloc(size);
-}
-
-void *calloc(size_t count, size_t size) {
-  allocations++;
-  return __libc_calloc(count, size);
-}
-
-void *realloc(void *block, size_t size) {
-  allocations++;
-  return __libc_realloc(block, size);
-}
-
-#pragma GCC visibility pop
 
 typedef struct {
   const double *q, *xdot;
@@ -160,7 +136,7 @@ static int replay(const double *record, size_t cycles, size_t room, size_t repla
   if (!times || !statuses || pg_create_checked(&controller, PG_INTERFACE) != PG_SOLVED) return 1;
   input_t input;
   double worst = 0.0;
-  const unsigned long long before = allocations;
+  const unsigned long long before = heap_allocations;
   for (size_t r = 0; r < replays; r++) {
     const double *next = record;
     pg_reset(controller);
@@ -171,7 +147,7 @@ static int replay(const double *record, size_t cycles, size_t room, size_t repla
         worst = controller->cycle.kkt_residual;
     }
   }
-  const double head[3] = {(double)(allocations - before), clock_overhead(), worst};
+  const double head[3] = {(double)(heap_allocations - before), clock_overhead(), worst};
   double *stages = &times[replays * cycles];
   for (size_t r = 0; r < replays; r++) {
     const double *next = record;
