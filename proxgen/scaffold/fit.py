@@ -142,8 +142,9 @@ def _interval(along: Array, distance: Array, room: Array) -> tuple[float, float]
 
 def _descend(cloud: Cloud, capsule: FittedCapsule) -> FittedCapsule:
     """Follow the composite method from a capsule until the volume falls no more."""
-    size = max(capsule.radius, 1e-9)
-    stiffness = 1.0
+    size, stiffness = capsule.radius, 1.0
+    if size <= 1e-9 * capsule.length:
+        return capsule  # around a line or a point: nothing to gain
     for _ in range(_STEPS):
         step = _step(cloud, capsule, stiffness / size)
         tried = enclosing(cloud, capsule.start + step[:3], capsule.end + step[3:6])
