@@ -1,4 +1,4 @@
-"""How the times of whole cycles are spread, and what they are beside those of peers."""
+"""How the times of whole cycles are spread, how they grow, and what they are beside those of peers."""
 
 from pathlib import Path
 
@@ -6,6 +6,7 @@ import numpy as np
 
 from proxgen.bench.peers import PeerBenchmark
 from proxgen.bench.run import Benchmark
+from proxgen.bench.scaling import PARTS, Scaling
 from proxgen.report.style import BLUE, SERIES, STEEL, house_style, legend_above, new_figure, save
 
 
@@ -73,4 +74,26 @@ def draw_peers(benchmark: PeerBenchmark, path: Path) -> Path:
             axes.annotate(f"{time:.3g}", (time, place), (3, 0), textcoords="offset points", va="center")
         axes.set(xscale="log", xlabel="median time of a cycle [µs]")
         axes.invert_yaxis()
+        return save(figure, path)
+
+
+def draw_scaling(scaling: Scaling, path: Path) -> Path:
+    """Draw the median times of a cycle and its parts over the size of the arm, one panel per quantity.
+
+    Args:
+        scaling: what was measured.
+        path: the PNG to write.
+
+    Returns:
+        The file.
+    """
+    with house_style():
+        figure = new_figure(3.4)
+        panels = figure.subplots(1, len(scaling.sweeps), squeeze=False)[0]
+        for axes, (name, sweep) in zip(panels, scaling.sweeps.items(), strict=True):
+            for part, colour in zip(PARTS, SERIES, strict=False):
+                axes.plot(sweep["value"], sweep[part], color=colour, marker="o", markersize=3, label=part)
+            axes.set(xlabel=name, ylim=(0.0, None))
+        panels[0].set_ylabel("median time [µs]")
+        legend_above(panels[-1], columns=len(PARTS))
         return save(figure, path)

@@ -44,7 +44,13 @@ def add_verbs(verbs: Any) -> None:
     bench.add_argument(
         "--replays", type=whole_number, default=5, metavar="N", help="passes over each recording (default: 5)"
     )
-    bench.add_argument(
+    kind = bench.add_mutually_exclusive_group()
+    kind.add_argument(
+        "--scaling",
+        action="store_true",
+        help="instead: made-up arms with more and more joints, sensors and capsules",
+    )
+    kind.add_argument(
         "--peers",
         action="store_true",
         help="instead: the same cycles through other controllers, each installed into build/bench",
@@ -56,6 +62,8 @@ def add_verbs(verbs: Any) -> None:
 
 def carry_out_bench(arguments: argparse.Namespace) -> int:
     """Measure, print a table, write what was asked for."""
+    if arguments.scaling:
+        return _bench_scaling(arguments)
     from proxgen.config import load
     from proxgen.config.scene import load_scene
 
@@ -107,6 +115,29 @@ def _bench_peers(arguments: argparse.Namespace, config: "Config", scenes: "list[
         from proxgen.bench.plot import draw_peers
 
         print(f"plot: {draw_peers(benchmark, arguments.plot)}")
+    return 0
+
+
+def _bench_scaling(arguments: argparse.Namespace) -> int:
+    """Times over the size of the arm."""
+    from proxgen.bench.scaling import PARTS, run_scaling
+
+    with progress_bar("arms of all sizes") as progress:
+        scaling = run_scaling(replays=max(arguments.replays, 1), progress=progress)
+    for name, sweep in scaling.sweeps.items():
+        rows: list[tuple[str, ...]] = [(name, *(f"{part} us" for part in PARTS))]
+        for index, value in enumerate(sweep["value"]):
+            rows.append((f"{value:.0f}", *(f"{sweep[part][index]:.3f}" for part in PARTS)))
+        print(columns(rows), end="\n\n")
+    slope, explained = scaling.per_sensor
+    print(f"distance stage: {slope:.1f} ns per sensor; a straight line explains {100.0 * explained:.2f} %")
+    _print_machine(scaling.machine)
+    if arguments.json:
+        write_json(arguments.json, scaling.to_json())
+    if arguments.plot:
+        from proxgen.bench.plot import draw_scaling
+
+        print(f"plot: {draw_scaling(scaling, arguments.plot)}")
     return 0
 
 
