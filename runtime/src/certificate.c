@@ -16,6 +16,13 @@ static void add(residual_t *residual, double value) {
   residual->sum += magnitude;
 }
 
+/* What has to be zero, and so has its product with what stands against it: next to a multiplier of 1e27 a
+ * distance of 1e-15 is not small. */
+static void add_pair(residual_t *residual, double zero, double other) {
+  add(residual, zero);
+  add(residual, zero * other);
+}
+
 static double row_times(const double *row, const double x[PG_N]) {
   double sum = 0.0;
   for (int j = 0; j < PG_N; j++)
@@ -45,13 +52,14 @@ double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution) {
     }
     const double *row = &qp->A[i * PG_N];
     const double room = qp->ubA[i] + qp->softness[i] * y[i] - row_times(row, x);
-    add(&residual, y[i] < room ? y[i] : room);
+    if (y[i] < room)
+      add_pair(&residual, y[i], room);
+    else
+      add_pair(&residual, room, y[i]);
     for (int j = 0; j < PG_N; j++)
       gradient[j] += row[j] * y[i];
   }
-  for (int j = 0; j < PG_N; j++) {
-    residual.sum += 0.0 * gradient[j]; /* an infinite one would be hidden by a bound */
-    add(&residual, x[j] - between(x[j] - gradient[j], qp->lb[j], qp->ub[j]));
-  }
+  for (int j = 0; j < PG_N; j++)
+    add_pair(&residual, x[j] - between(x[j] - gradient[j], qp->lb[j], qp->ub[j]), gradient[j]);
   return residual.sum - residual.sum == 0.0 ? residual.greatest : INFINITY;
 }

@@ -11,7 +11,7 @@
 /* Rounds of the search for a contradiction: before a solve, where nine in ten are found and feasible cycles
  * hardly notice, and after a solver has claimed one. */
 #define SHORT_SEARCH 2
-#define LONG_SEARCH  64
+#define LONG_SEARCH  256
 
 /* Makes stage `stage` out of the one before it; returns 0 if the QP stays as it was. */
 static int relax(const pg_controller_t *controller, pg_status_t stage, double ubA[PG_ROWS]) {
@@ -33,13 +33,16 @@ static int relax(const pg_controller_t *controller, pg_status_t stage, double ub
   return changed;
 }
 
-/* What a solver's claim that a QP is infeasible is worth: PG_INFEASIBLE with a proof, from the solver or a
- * search; also if nothing speaks against it and this is the second such claim. */
-static pg_outcome_t weigh_claim(const pg_qp_t *qp, const pg_solution_t *solution, pg_start_t start) {
-  if (pg_proves_infeasible(qp, solution->y)) return PG_INFEASIBLE;
+/* What it means that a solver found nothing. Infeasible is what a proof shows, the solver's or one that a
+ * search finds; and what a solver claims for the second time, if no feasible x turns up. */
+static pg_outcome_t judge(const pg_qp_t *qp, const pg_solution_t *solution, pg_outcome_t claim,
+                          pg_start_t start) {
+  if (PG_RELAXATION_SLACK) return PG_UNSOLVED; /* soft rows are always feasible */
+  if (claim == PG_INFEASIBLE && pg_proves_infeasible(qp, solution->y)) return PG_INFEASIBLE;
   const pg_verdict_t verdict = pg_search(qp, LONG_SEARCH);
-  const int believed = verdict == PG_CONTRADICTORY || (verdict == PG_UNDECIDED && start == PG_AGAIN);
-  return believed ? PG_INFEASIBLE : PG_UNSOLVED;
+  const int claimed_again = claim == PG_INFEASIBLE && start == PG_AGAIN;
+  return verdict == PG_CONTRADICTORY || (verdict == PG_UNDECIDED && claimed_again) ? PG_INFEASIBLE
+                                                                                   : PG_UNSOLVED;
 }
 
 /* One solve; says PG_OPTIMAL only with a certificate. */
@@ -52,12 +55,14 @@ static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_s
 #endif
   cycle->solves++;
   cycle->iterations += solution->iterations;
-  if (outcome == PG_INFEASIBLE) return weigh_claim(qp, solution, start);
-  if (outcome == PG_UNSOLVED) return PG_UNSOLVED;
-  cycle->kkt_residual = pg_polish(qp, solution);
-  if (cycle->kkt_residual <= PG_TOLERANCE) return PG_OPTIMAL;
-  controller->counters.certificate_failures++;
-  return PG_UNSOLVED;
+  if (outcome != PG_OPTIMAL) return judge(qp, solution, outcome, start);
+  const double residual = pg_polish(qp, solution);
+  if (!(residual <= PG_TOLERANCE)) {
+    controller->counters.certificate_failures++;
+    return PG_UNSOLVED;
+  }
+  cycle->kkt_residual = residual;
+  return PG_OPTIMAL;
 }
 
 /* Solves one stage; a first answer that proves nothing gets a second chance. */

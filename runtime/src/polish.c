@@ -13,8 +13,10 @@
 /* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact. */
 #define EXACT (1e-6 * PG_TOLERANCE)
 
-#define STEPS       3
-#define LEAST_PIVOT 1e-12
+#define STEPS 3
+
+/* A row depends on those before it if only this part of it is left, which is rounding. */
+#define DEPENDENT 1e-14
 
 enum { MOST = PG_N + PG_ROWS };
 
@@ -24,6 +26,7 @@ typedef struct {
   int index[MOST];
   double K[MOST][MOST]; /* lower triangle */
   double change[MOST];
+  double scale[MOST]; /* of the diagonal, were nothing known of the others */
 } equations_t;
 
 static double row_times(const double *row, const double x[PG_N]) {
@@ -86,14 +89,16 @@ static void write_equations(const pg_qp_t *qp, const pg_solution_t *solution, eq
     for (int b = 0; b <= a; b++)
       equations->K[a][b] = qp->H[j * PG_N + equations->index[b]];
     equations->change[a] = -gradient;
+    equations->scale[a] = equations->K[a][a];
   }
   for (int a = joints; a < equations->size; a++) {
     const int i = equations->index[a];
+    const double *row = &qp->A[i * PG_N];
     for (int b = joints; b < a; b++)
       equations->K[a][b] = 0.0;
     equations->K[a][a] = -qp->softness[i];
-    equations->change[a] =
-        qp->ubA[i] + qp->softness[i] * solution->y[i] - row_times(&qp->A[i * PG_N], solution->x);
+    equations->scale[a] = qp->softness[i] + row_times(row, row);
+    equations->change[a] = qp->ubA[i] + qp->softness[i] * solution->y[i] - row_times(row, solution->x);
   }
 }
 
@@ -105,12 +110,14 @@ static void factorise_row(equations_t *equations, int a) {
   for (int b = 0; b < a; b++)
     for (int c = 0; c < b; c++)
       row[b] -= row[c] * equations->K[b][c];
+  double magnitude = equations->scale[a];
   for (int b = 0; b < a; b++) {
     const double scaled = row[b] / equations->K[b][b];
+    magnitude += fabs(row[b] * scaled);
     row[a] -= row[b] * scaled;
     row[b] = scaled;
   }
-  if (!(fabs(row[a]) > LEAST_PIVOT)) {
+  if (!(fabs(row[a]) > DEPENDENT * magnitude)) {
     memset(row, 0, (size_t)a * sizeof(double));
     row[a] = 1.0;
     equations->change[a] = 0.0;

@@ -24,8 +24,16 @@ enum {
 /* Rounding errors of u, relative to v. Below them DAQP would add and remove the same constraints for ever. */
 #define NOISE 1e-15
 
+/* Rows are dependent if one is left with this part of its squared length; they are nearly so when obstacles
+ * touch. */
+#define SINGULAR 1e-14
+
 /* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-9. */
 #define LEAST_PIVOT 1e-15
+
+/* mu of the second attempt, and its steps; what they leave of an error, polishing takes away. */
+#define ROUNDING      1e-3
+#define ROUNDED_STEPS 4
 
 /* Bounds that are closer to each other are one value. */
 #define EQUAL_BOUNDS 1e-11
@@ -45,7 +53,6 @@ struct pg_solver {
   double dupper[SIDES], dlower[SIDES];
   double softness[SIDES]; /* of the rows, if they are soft */
   int sense[SIDES];
-  int last[SIDES]; /* working set that the last solve ended with, as flags of `sense` */
 
   /* DAQP's own working space, one more than the greatest working set. */
   double u[N], xold[N];
@@ -172,16 +179,13 @@ static void place_row(pg_solver_t *solver, const double *A, int i, double Rinv[N
 
 /* Right-hand sides and flags for a solve: a constraint that is off is immutable and not active, so DAQP
  * ignores it. */
-static void place_sides(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start) {
-  for (int side = 0; side < SIDES; side++)
-    solver->sense[side] = start == PG_AGAIN ? solver->last[side] : 0;
+static void place_sides(pg_solver_t *solver, const pg_qp_t *qp) {
   for (int i = 0; i < N; i++)
-    if (qp->ub[i] - qp->lb[i] < EQUAL_BOUNDS) solver->sense[i] = DAQP_ACTIVE | DAQP_IMMUTABLE;
+    solver->sense[i] = qp->ub[i] - qp->lb[i] < EQUAL_BOUNDS ? DAQP_ACTIVE | DAQP_IMMUTABLE : 0;
   for (int i = 0; i < ROWS; i++) {
     const int side = N + i;
     solver->dupper[side] = qp->ubA[i] * solver->scaling[side] + solver->shift[side];
-    if (PG_RELAXATION_SLACK) solver->sense[side] |= DAQP_SOFT;
-    if (qp->ubA[i] >= PG_OFF) solver->sense[side] = DAQP_IMMUTABLE;
+    solver->sense[side] = qp->ubA[i] >= PG_OFF ? DAQP_IMMUTABLE : PG_RELAXATION_SLACK ? DAQP_SOFT : 0;
   }
 }
 
@@ -191,13 +195,6 @@ static void read_multipliers(const pg_solver_t *solver, double y[ROWS]) {
   memset(y, 0, ROWS * sizeof(double));
   for (int i = 0; i < work->n_active; i++)
     if (work->WS[i] >= N && work->lam_star[i] > 0.0) y[work->WS[i] - N] = work->lam_star[i];
-}
-
-static void remember_working_set(pg_solver_t *solver) {
-  const DAQPWorkspace *work = &solver->work;
-  memset(solver->last, 0, sizeof solver->last);
-  for (int i = 0; i < work->n_active; i++)
-    solver->last[work->WS[i]] = DAQP_ACTIVE | (solver->sense[work->WS[i]] & DAQP_LOWER);
 }
 
 /* Points DAQP's workspace at our memory. */
@@ -243,7 +240,7 @@ pg_status_t pg_solver_create(void *memory, pg_solver_t **solver) {
                                   .iter_limit = PG_MAX_ITERATIONS,
                                   .fval_bound = DAQP_INF,
                                   .rho_soft = DAQP_DEFAULT_RHO_SOFT,
-                                  .sing_tol = DAQP_DEFAULT_SING_TOL,
+                                  .sing_tol = SINGULAR,
                                   .refactor_tol = DAQP_DEFAULT_REFACTOR_TOL};
   connect(made);
   *solver = made;
@@ -255,7 +252,7 @@ void pg_solver_destroy(pg_solver_t *solver) {
 }
 
 void pg_solver_reset(pg_solver_t *solver) {
-  memset(solver->last, 0, sizeof solver->last);
+  (void)solver; /* nothing is carried from QP to QP */
 }
 
 void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
@@ -275,22 +272,21 @@ void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
 #endif
 }
 
-pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
-                             pg_solution_t *solution) {
+/* Solves what is loaded, from the empty working set. */
+static pg_outcome_t solve_loaded(pg_solver_t *solver, const pg_qp_t *qp, pg_solution_t *solution) {
   DAQPWorkspace *work = &solver->work;
-  memset(solution, 0, sizeof *solution);
+  memset(solution->y, 0, sizeof solution->y);
   if (!solver->usable) return PG_UNSOLVED;
   if (solver->is_free) {
     memcpy(solution->x, solver->x_free, sizeof solution->x);
     return PG_OPTIMAL;
   }
 
-  place_sides(solver, qp, start);
+  place_sides(solver, qp);
   reset_daqp_workspace(work);
   if (daqp_activate_constraints(work) < 0) return PG_UNSOLVED;
   const int exit = daqp_ldp(work);
-  solution->iterations = work->iterations - 1;
-  remember_working_set(solver);
+  solution->iterations += work->iterations - 1;
   if (exit == DAQP_EXIT_OPTIMAL || exit == DAQP_EXIT_SOFT_OPTIMAL) {
     ldp2qp_solution(work);
     memcpy(solution->x, work->x, sizeof solution->x);
@@ -304,4 +300,32 @@ pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t 
     return PG_INFEASIBLE;
   }
   return PG_UNSOLVED;
+}
+
+/* The other way: a rounder objective, 1/2 x'Hx + g'x + 1/2 mu ||x - c||^2, where c is the solution of the
+ * step before (proximal point method). Constraints that a flat H makes hard to tell apart are told apart in
+ * this. */
+static pg_outcome_t solve_rounded(pg_solver_t *solver, const pg_qp_t *qp, pg_solution_t *solution) {
+  double H[N * N], g[N];
+  pg_qp_t rounded = *qp;
+  pg_outcome_t outcome = PG_OPTIMAL;
+  rounded.H = H;
+  rounded.g = g;
+  memcpy(H, qp->H, sizeof H);
+  for (int j = 0; j < N; j++)
+    H[j * N + j] += ROUNDING;
+  for (int step = 0; step < ROUNDED_STEPS && outcome == PG_OPTIMAL; step++) {
+    for (int j = 0; j < N; j++)
+      g[j] = qp->g[j] - ROUNDING * solution->x[j];
+    pg_solver_load(solver, &rounded);
+    outcome = solve_loaded(solver, &rounded, solution);
+  }
+  pg_solver_load(solver, qp); /* for the stages that follow */
+  return outcome;
+}
+
+pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
+                             pg_solution_t *solution) {
+  memset(solution, 0, sizeof *solution);
+  return start == PG_FIRST ? solve_loaded(solver, qp, solution) : solve_rounded(solver, qp, solution);
 }

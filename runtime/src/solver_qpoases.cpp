@@ -32,10 +32,19 @@ qpOASES::Options options() {
   return options;
 }
 
+// Lets the multipliers be read when there is no solution.
+class Problem : public qpOASES::SQProblem {
+public:
+  using SQProblem::SQProblem;
+  const double *multipliers() const {
+    return y;
+  }
+};
+
 } // namespace
 
 struct pg_solver {
-  qpOASES::SQProblem problem{variables, rows, qpOASES::HST_POSDEF};
+  Problem problem{variables, rows, qpOASES::HST_POSDEF};
   qpOASES::Bounds bounds;           // working set of the last solution
   qpOASES::Constraints constraints; // likewise
   bool has_working_set = false;
@@ -137,14 +146,16 @@ pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t 
             : solver->start_cold(qp->ubA, start == PG_FIRST && solver->has_working_set, changes);
     solution->iterations = changes;
     solver->hot = result == qpOASES::SUCCESSFUL_RETURN;
+    // qpOASES counts multipliers of upper bounds as negative. Without a solution, those that have grown while
+    // it tried are the ones of rows that contradict each other: in two of three cases a proof.
+    const double *y = solver->problem.multipliers() + variables;
+    for (int i = 0; i < rows; i++)
+      solution->y[i] = y[i] < 0.0 ? -y[i] : 0.0;
     if (!solver->hot) return solver->problem.isInfeasible() ? PG_INFEASIBLE : PG_UNSOLVED;
 
-    double x[variables], y[variables + rows];
+    double x[variables];
     solver->problem.getPrimalSolution(x);
-    solver->problem.getDualSolution(y);
     std::memcpy(solution->x, x, sizeof solution->x);
-    for (int i = 0; i < rows; i++) // qpOASES counts multipliers of upper bounds as negative
-      solution->y[i] = y[variables + i] < 0.0 ? -y[variables + i] : 0.0;
     solver->remember();
     return PG_OPTIMAL;
   } catch (...) { // memory ran out
