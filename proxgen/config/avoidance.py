@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from proxgen.config.additions import Circulation, SelfCollision, Tangential, ordered_thresholds
 from proxgen.config.quantities import AngularSpeed, Length, Number, Rate, Speed
 from proxgen.config.section import Finding, Flag, Section, must_be_less
 
@@ -47,6 +48,9 @@ class Active(Section):
 class Avoidance(Section):
     """From distances to rows: thresholds (17), law (13), active row (7)."""
 
+    method: Literal["proposed", "repulsive", "tangential"] = Field(
+        "proposed", description="the paper's method, or one of the two that it is compared with"
+    )
     distance_reference: Literal["axis", "surface"] = Field(
         "axis", description="distances are measured to the capsule's axis, or to its surface"
     )
@@ -74,15 +78,20 @@ class Avoidance(Section):
     )
     active: Active = Active()
     damper: Damper = Damper()
+    tangential: Tangential = Tangential()
+    circulation: Circulation = Circulation()
+    self_collision: SelfCollision = SelfCollision()
 
     def contradictions(self) -> Iterator[Finding]:
-        """Thresholds out of order."""
-        order = "order: d_a > d_0u >= d_0l > d_r"
-        yield from must_be_less(("d_0u", "d_a"), (self.d_0u, self.d_a), "m", order)
-        if self.d_0l > self.d_0u:
-            message = f"d_0l = {self.d_0l:.6g} m must be at most d_0u = {self.d_0u:.6g} m ({order})"
-            yield Finding(("d_0l", "d_0u"), message)
-        yield from must_be_less(("d_r", "d_0l"), (self.d_r, self.d_0l), "m", order)
+        """Thresholds out of order; additions to the proposed method beside another one."""
+        yield from ordered_thresholds(self.d_a, self.d_0u, self.d_0l, self.d_r)
+        for key, given in (
+            ("circulation.enabled", self.circulation.enabled),
+            ("self_collision.points", bool(self.self_collision.points)),
+        ):
+            if given and self.method != "proposed":
+                name = key.partition(".")[0]
+                yield Finding((key, "method"), f"{name} needs method: proposed, not {self.method}")
 
 
 class Damping(Section):

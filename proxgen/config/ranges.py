@@ -7,7 +7,32 @@ can be solved and certified in double precision. 1e20 stands for "none".
 NONE = 1e20
 """Stands for a limit that does not exist."""
 
+ADDITION_RANGES: dict[str, tuple[float, float]] = {
+    "self_measurement_margin": (0.0, 10.0),
+    "memory_age": (1e-6, 1e6),
+    "memory_merge": (0.0, 10.0),
+    "memory_margin": (0.0, 10.0),
+    "memory_reach": (1e-6, 100.0),
+    "circulation_speed": (1e-6, 10.0),
+    "stall_time": (0.0, 1e3),
+    "stall_fraction": (0.0, 1.0),
+    "circulation_release_time": (0.0, 1e3),
+    "circulation_patience": (0.0, 1e3),
+    "circulation_time_limit": (1e-6, 1e6),
+    "circulation_blend_time": (1e-6, 1e3),
+    "circulation_bias_x": (-10.0, 10.0),
+    "circulation_bias_y": (-10.0, 10.0),
+    "circulation_bias_z": (-10.0, 10.0),
+    "self_d_a": (1e-6, 10.0),
+    "self_d_0u": (0.0, 10.0),
+    "self_d_0l": (0.0, 10.0),
+    "self_d_r": (0.0, 10.0),
+    "tangential_speed": (1e-6, 10.0),
+}
+"""For the parameters of additions, each of which exists only where its addition is on."""
+
 RANGES: dict[str, tuple[float, float]] = {
+    **ADDITION_RANGES,
     "q_lower": (-NONE, NONE),
     "q_upper": (-NONE, NONE),
     "qdot_limit": (1e-6, 1e3),

@@ -247,7 +247,24 @@ class Config(Section):
                 message = f"joint '{joint}' is locked (robot.locked_joints); it has no posture to follow"
                 yield Finding((f"task.posture.joints.{joint}",), message)
         yield from self._outside_limits("robot.locked_joints", self.robot.locked_joints)
+        yield from self._additions()
         yield from self._outside_limits("task.posture.joints", posture)
+
+    def _additions(self) -> Iterator[Finding]:
+        """Additions that do not go with the task, the relaxation or the capsules."""
+        method, rows = self.avoidance.method, self.task.rows or ROWS_OF_KIND[self.task.kind]
+        linear = {"x", "y", "z"}.intersection(rows)
+        if self.avoidance.circulation.enabled and not linear:
+            message = "circulation moves the tool along x, y, z, and the task has none of these rows"
+            yield Finding(("avoidance.circulation.enabled", "task.rows"), message)
+        if method != "proposed" and self.relaxation.mode != "staged":
+            message = f"avoidance.method: {method} needs the relaxation mode 'staged'"
+            yield Finding(("relaxation.mode", "avoidance.method"), message)
+        names = [capsule.name for capsule in self.capsules]
+        for index, pair in enumerate(self.avoidance.self_collision.exclude):
+            if pair.capsule not in names:
+                key = f"avoidance.self_collision.exclude.{index}.capsule"
+                yield Finding((key,), unknown_name("capsule", pair.capsule, names))
 
     def _outside_limits(self, key: str, positions: dict[str, float]) -> Iterator[Finding]:
         """Joint positions outside of what `limits.position` says."""

@@ -6,6 +6,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
+from proxgen.config.additions import Memory, SelfMeasurement
 from proxgen.config.quantities import Angle, Count, Frequency, Length, Number, Time
 from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
 
@@ -126,6 +127,8 @@ class Skin(Section):
     max_points: Annotated[int, Count(ge=0, le=4096)] = Field(
         64, description="capacity for obstacle points from other sources, per cycle"
     )
+    self_measurement: SelfMeasurement = SelfMeasurement()
+    memory: Memory = Memory()
 
     def contradictions(self) -> Iterator[Finding]:
         """Sensors too slow for the timeout; cuffs that sense nothing."""

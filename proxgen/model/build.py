@@ -8,7 +8,7 @@ from proxgen.config.schema import ROWS_OF_KIND, Config
 from proxgen.errors import ConfigError, Problem, unknown_name
 from proxgen.model.buried import buried_cuffs
 from proxgen.model.frames import axis_basis
-from proxgen.model.robot_model import Array, CapsuleModel, RobotModel
+from proxgen.model.robot_model import Array, CapsuleModel, RobotModel, SelfPointModel
 from proxgen.model.skin import sensor_modules
 from proxgen.model.urdf import Urdf, drives, frame_named, parse_urdf, reduce_to_chain, unknown_frame
 
@@ -59,6 +59,7 @@ def build_model(config: Config) -> RobotModel:
         qddot_limit=limits[:, 3],
         capsules=_capsules(config, reduced),
         modules=sensor_modules(config.skin, reduced),
+        self_points=_self_points(config, reduced),
     )
     problems = buried_cuffs(config, model)
     if problems:
@@ -70,6 +71,10 @@ def _frame_problems(config: Config, pin_model: Any) -> list[Problem]:
     """Frames of capsules and cuffs that the model lacks."""
     named = [(f"capsules.{index}.frame", capsule.frame) for index, capsule in enumerate(config.capsules)]
     named += [(f"skin.cuffs.{index}.frame", cuff.frame) for index, cuff in enumerate(config.skin.cuffs)]
+    points = config.avoidance.self_collision.points
+    named += [
+        (f"avoidance.self_collision.points.{index}.frame", point.frame) for index, point in enumerate(points)
+    ]
     return [
         config.problem(key, unknown_frame(pin_model, frame))
         for key, frame in named
@@ -141,3 +146,26 @@ def _capsules(config: Config, pin_model: Any) -> tuple[CapsuleModel, ...]:
             )
         )
     return tuple(capsules)
+
+
+def _self_points(config: Config, pin_model: Any) -> tuple[SelfPointModel, ...]:
+    """The points of self-collision in the frames of the bodies that carry them, and their pairs."""
+    own, points = config.avoidance.self_collision, []
+    excluded = {(pair.capsule, pair.point) for pair in own.exclude}
+    carriers = [int(frame_named(pin_model, capsule.frame).parentJoint) for capsule in config.capsules]
+    for point in own.points:
+        frame = frame_named(pin_model, point.frame)
+        body, placement = int(frame.parentJoint), frame.placement
+        points.append(
+            SelfPointModel(
+                name=point.name,
+                body=body,
+                position=placement.rotation @ np.array(point.position) + placement.translation,
+                radius=point.radius,
+                capsules=tuple(
+                    carrier != body and (capsule.name, point.name) not in excluded
+                    for capsule, carrier in zip(config.capsules, carriers, strict=True)
+                ),
+            )
+        )
+    return tuple(points)

@@ -40,6 +40,25 @@ class CapsuleModel:
 
 
 @dataclass(frozen=True)
+class SelfPointModel:
+    """A point, or a ball, that the arm carries and that its other links must not touch.
+
+    Attributes:
+        name: as in the configuration.
+        body: Pinocchio joint index that carries it; 0 is the base.
+        position: (3,), body frame [m].
+        radius: of the ball; 0 for a point [m].
+        capsules: (L,) whether each capsule is a pair with it: neither on the same body nor excluded.
+    """
+
+    name: str
+    body: int
+    position: Array
+    radius: float
+    capsules: tuple[bool, ...]
+
+
+@dataclass(frozen=True)
 class SensorModule:
     """One module of a cuff: its place and direction, and the sensors that it holds.
 
@@ -100,6 +119,7 @@ class RobotModel:
         qddot_limit: (n,) [rad/s^2 or m/s^2]; 1e20 where unlimited.
         capsules: one per avoiding link; rows of (5) in this order.
         modules: all sensor modules, cuff by cuff, ring by ring.
+        self_points: of self-collision; none: there is no such thing.
     """
 
     name: str
@@ -116,6 +136,7 @@ class RobotModel:
     qddot_limit: Array
     capsules: tuple[CapsuleModel, ...]
     modules: tuple[SensorModule, ...]
+    self_points: tuple[SelfPointModel, ...] = ()
 
     @property
     def n(self) -> int:

@@ -4,13 +4,52 @@ from collections.abc import Iterable
 
 from proxgen.config.ranges import NONE, RANGES
 from proxgen.config.schema import Config
+from proxgen.config.settable import addition_parameters
 from proxgen.model import RobotModel
 from proxgen.program import Parameter
 
 
 def parameters(config: Config, model: RobotModel) -> tuple[Parameter, ...]:
     """All parameters in the order of the C struct (table of `docs/method.md`)."""
-    return (*_joint_parameters(config, model), *_cycle_parameters(config), *_avoidance_parameters(config))
+    return (
+        *_joint_parameters(config, model),
+        *_cycle_parameters(config),
+        *_avoidance_parameters(config),
+        *_addition_parameters(config),
+    )
+
+
+_ADDITIONS = {
+    "self_measurement_margin": ("m", "capsules explain readings up to this distance"),
+    "memory_age": ("s", "an older point is forgotten"),
+    "memory_merge": ("m", "points no further apart are one"),
+    "memory_margin": ("m", "points nearer than a reading by more are seen through"),
+    "memory_reach": ("m", "points as near to a capsule's axis are stored"),
+    "circulation_speed": ("m/s", "speed along the obstacle"),
+    "stall_time": ("s", "blocked for so long, the tool is stuck"),
+    "stall_fraction": ("", "less than this part of the wanted progress is blocked"),
+    "circulation_release_time": ("s", "clear for so long, the way is free"),
+    "circulation_patience": ("s", "without progress for so long, another way round is tried"),
+    "circulation_time_limit": ("s", "the task is tried again after this time"),
+    "circulation_blend_time": ("s", "time of the change to circulation and back"),
+    "circulation_bias_x": ("", "preferred way round, world x"),
+    "circulation_bias_y": ("", "preferred way round, world y"),
+    "circulation_bias_z": ("", "preferred way round, world z"),
+    "self_d_a": ("m", "self points beyond give no row"),
+    "self_d_0u": ("m", "upper end of their dead zone"),
+    "self_d_0l": ("m", "lower end of their dead zone"),
+    "self_d_r": ("m", "full repulsion from them at and below"),
+    "tangential_speed": ("m/s", "least speed along the tangent"),
+}
+"""Unit and meaning of the parameters of additions."""
+
+
+def _addition_parameters(config: Config) -> list[Parameter]:
+    """Those of the additions that the configuration has."""
+    return [
+        _scalar(name, _ADDITIONS[name][0], value, _ADDITIONS[name][1])
+        for name, value in addition_parameters(config).items()
+    ]
 
 
 def _scalar(name: str, unit: str, default: float, meaning: str) -> Parameter:

@@ -5,6 +5,7 @@ from importlib.metadata import version
 from proxgen import __version__
 from proxgen.config.hashing import config_hash
 from proxgen.config.schema import Config
+from proxgen.errors import GenerateError
 from proxgen.model import RobotModel
 from proxgen.model.robot_model import Array, SensorModule
 from proxgen.program import CapsuleEntry, Program, SensorEntry
@@ -23,8 +24,10 @@ def build_program(config: Config, model: RobotModel) -> Program:
         Kernels in the order of the cycle, tables and parameters; plain data.
 
     Raises:
-        GenerateError: CasADi refuses an expression.
+        GenerateError: CasADi refuses an expression, or the configuration has additions that only
+            the reference knows.
     """
+    _refuse_additions(config)
     bodies = carrying_bodies(model)
     settable = parameters(config, model)
     by_name = {parameter.name: parameter for parameter in settable}
@@ -60,6 +63,20 @@ def build_program(config: Config, model: RobotModel) -> Program:
         tolerance=config.solver.tolerance,
         sources={"proxgen": __version__, "casadi": version("casadi"), "pin": version("pin")},
     )
+
+
+def _refuse_additions(config: Config) -> None:
+    """Never generate a controller that leaves out what its configuration asks for."""
+    avoidance, skin = config.avoidance, config.skin
+    asked = {
+        f"avoidance.method: {avoidance.method}": avoidance.method != "proposed",
+        "avoidance.circulation": avoidance.circulation.enabled,
+        "avoidance.self_collision": bool(avoidance.self_collision.points),
+        "skin.memory": skin.memory.enabled,
+        "skin.self_measurement": skin.self_measurement.enabled,
+    }
+    if names := [name for name, on in asked.items() if on]:
+        raise GenerateError(f"only the reference has {', '.join(names)}; switch it off to generate code")
 
 
 def carrying_bodies(model: RobotModel) -> list[int]:

@@ -108,12 +108,33 @@ SETTABLE = {
     "relaxation.slack.active_weight": "slack_active_weight",
     "task.posture.weight": "posture_weight",
     "task.posture.gain": "posture_gain",
+    "skin.self_measurement.margin": "self_measurement_margin",
+    "skin.memory.age": "memory_age",
+    "skin.memory.merge": "memory_merge",
+    "skin.memory.margin": "memory_margin",
+    "skin.memory.reach": "memory_reach",
+    "avoidance.circulation.speed": "circulation_speed",
+    "avoidance.circulation.stall_time": "stall_time",
+    "avoidance.circulation.stall_fraction": "stall_fraction",
+    "avoidance.circulation.release_time": "circulation_release_time",
+    "avoidance.circulation.patience": "circulation_patience",
+    "avoidance.circulation.time_limit": "circulation_time_limit",
+    "avoidance.circulation.blend_time": "circulation_blend_time",
+    "avoidance.circulation.bias.0": "circulation_bias_x",
+    "avoidance.circulation.bias.1": "circulation_bias_y",
+    "avoidance.circulation.bias.2": "circulation_bias_z",
+    "avoidance.self_collision.d_a": "self_d_a",
+    "avoidance.self_collision.d_0u": "self_d_0u",
+    "avoidance.self_collision.d_0l": "self_d_0l",
+    "avoidance.self_collision.d_r": "self_d_r",
+    "avoidance.tangential.speed": "tangential_speed",
 }
 
 
 @pytest.mark.parametrize(("key", "parameter"), SETTABLE.items())
 def test_what_the_file_accepts_the_controller_accepts(key: str, parameter: str) -> None:
-    form = next(form for form in keys_of(Config).at(key.split(".")) if "x-quantity" in form)
+    parts = [int(part) if part.isdigit() else part for part in key.split(".")]
+    form = next(form for form in keys_of(Config).at(parts) if "x-quantity" in form)
     number = form["anyOf"][0] if "anyOf" in form else form
     least, greatest = RANGES[parameter]
     assert number["minimum"] >= least

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from proxgen.config.ranges import RANGES
+from proxgen.config.ranges import ADDITION_RANGES, RANGES
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import OFF, Diagnostics, Measurement
 from proxgen.controllers.reference import ReferenceController
@@ -27,7 +27,7 @@ def first_qp(controller: ReferenceController) -> Diagnostics:
 
 def test_parameters_come_from_the_configuration(iiwa7_config: Config, iiwa7_model: RobotModel) -> None:
     found = ReferenceController(iiwa7_config, iiwa7_model).parameters
-    assert set(found) == set(RANGES)
+    assert set(found) == set(RANGES) - set(ADDITION_RANGES)
     assert (found["d_a"], found["d_0u"], found["d_0l"], found["d_r"]) == (0.30, 0.25, 0.22, 0.17)
     assert (found["period"], found["max_period"], found["joint_damper"]) == (0.02, 0.0, 5.0)
     np.testing.assert_array_equal(found["q_upper"], iiwa7_model.q_upper)

@@ -1,13 +1,15 @@
 """The parameters that stay settable at run time: values from the configuration, and what is accepted."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
 
 from proxgen.config.ranges import RANGES
 from proxgen.config.schema import Config
+from proxgen.config.settable import addition_parameters
 from proxgen.controllers.protocol import OFF, Array
 from proxgen.errors import ControllerError, unknown_name
 from proxgen.model.robot_model import RobotModel
@@ -15,7 +17,10 @@ from proxgen.model.robot_model import RobotModel
 
 @dataclass(frozen=True)
 class Parameters:
-    """One field per row of the table in docs/method.md; vectors are (n,). SI units and radians."""
+    """One field per row of the tables in docs/method.md; vectors are (n,). SI units and radians.
+
+    Those of an addition that is off are nan, and not among `as_dict`.
+    """
 
     q_lower: Array
     q_upper: Array
@@ -49,10 +54,35 @@ class Parameters:
     posture_weight: Array
     posture_gain: float
     posture: Array
+    self_measurement_margin: float = nan
+    memory_age: float = nan
+    memory_merge: float = nan
+    memory_margin: float = nan
+    memory_reach: float = nan
+    circulation_speed: float = nan
+    stall_time: float = nan
+    stall_fraction: float = nan
+    circulation_release_time: float = nan
+    circulation_patience: float = nan
+    circulation_time_limit: float = nan
+    circulation_blend_time: float = nan
+    circulation_bias_x: float = nan
+    circulation_bias_y: float = nan
+    circulation_bias_z: float = nan
+    self_d_a: float = nan
+    self_d_0u: float = nan
+    self_d_0l: float = nan
+    self_d_r: float = nan
+    tangential_speed: float = nan
 
     def as_dict(self) -> dict[str, float | Array]:
-        """All parameters by name; vectors are copies."""
-        return asdict(self)
+        """All parameters that there are by name; vectors are copies."""
+        return {name: value for name, value in asdict(self).items() if not _absent(value)}
+
+
+def _absent(value: float | Array) -> bool:
+    """Whether a value is that of a parameter which does not exist."""
+    return isinstance(value, float) and isnan(value)
 
 
 def default_parameters(config: Config, model: RobotModel) -> Parameters:
@@ -94,6 +124,7 @@ def default_parameters(config: Config, model: RobotModel) -> Parameters:
         posture_weight=np.array([weight if name in preferred else 0.0 for name in model.joint_names]),
         posture_gain=posture.gain if posture else 0.0,
         posture=np.array([preferred.get(name, 0.0) for name in model.joint_names]),
+        **addition_parameters(config),
     )
 
 
@@ -107,7 +138,7 @@ def changed(parameters: Parameters, values: Mapping[str, Any]) -> Parameters:
     Raises:
         ControllerError: a name that does not exist, a wrong shape, or a value that is not accepted.
     """
-    names = [field.name for field in fields(Parameters)]
+    names = parameters.as_dict().keys()
     replacement: dict[str, Any] = {}
     for name, value in values.items():
         if name not in names:
@@ -146,5 +177,9 @@ def _check_orders(p: Parameters) -> None:
     if not p.d_a > p.d_0u >= p.d_0l > p.d_r:
         found = f"{p.d_a:g}, {p.d_0u:g}, {p.d_0l:g}, {p.d_r:g}"
         raise ControllerError(f"distances must keep the order d_a > d_0u >= d_0l > d_r, not {found}")
+    if not _absent(p.self_d_a) and not p.self_d_a > p.self_d_0u >= p.self_d_0l > p.self_d_r:
+        found = f"{p.self_d_a:g}, {p.self_d_0u:g}, {p.self_d_0l:g}, {p.self_d_r:g}"
+        order = "self_d_a > self_d_0u >= self_d_0l > self_d_r"
+        raise ControllerError(f"distances must keep the order {order}, not {found}")
     if not p.damper_influence > p.damper_safety:
         raise ControllerError("parameter 'damper_influence' must be greater than 'damper_safety'")
