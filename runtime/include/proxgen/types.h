@@ -1,4 +1,5 @@
-/* Types and numbers that are the same for every robot: the vocabulary of the generated and the hand-written C.
+/* Types and numbers that are the same for every robot: the vocabulary of the generated and the hand-written
+ * C.
  *
  * Positions in metres, joint positions in radians (metres for a prismatic joint), velocities per second.
  * Matrices are row-major. Nothing here has state.
