@@ -95,5 +95,6 @@ def draw_scaling(scaling: Scaling, path: Path) -> Path:
                 axes.plot(sweep["value"], sweep[part], color=colour, marker="o", markersize=3, label=part)
             axes.set(xlabel=name, ylim=(0.0, None))
         panels[0].set_ylabel("median time [µs]")
-        legend_above(panels[-1], columns=len(PARTS))
+        # The figure's, not a panel's: it would make that panel narrower than the others.
+        figure.legend(*panels[-1].get_legend_handles_labels(), loc="outside upper right", ncols=len(PARTS))
         return save(figure, path)
