@@ -38,7 +38,8 @@ def long_search(points: Array, seed: int, population: int = 60, rounds: int = 50
 def _extremes(points: Array) -> Array:
     """Points that reach furthest in some of many directions: the search then is for a lower bound."""
     directions = np.random.default_rng(0).normal(size=(600, 3))
-    return points[np.unique(np.argmax(points @ directions.T, axis=0))]
+    extremes: Array = points[np.unique(np.argmax(points @ directions.T, axis=0))]
+    return extremes
 
 
 def _volumes(points: Array, axes: Array) -> Array:
