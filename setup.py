@@ -14,7 +14,7 @@ class BuildWithRuntime(build_py):
         """Build, then copy."""
         super().run()
         if not self.editable_mode:
-            for part in ("include", "src"):
+            for part in ("include", "src", "bench"):
                 target = Path(self.build_lib) / "proxgen" / "_runtime" / part
                 copytree(Path("runtime") / part, target, dirs_exist_ok=True, ignore=ignore_patterns(".*"))
 

@@ -23,7 +23,7 @@ def test_a_wheel_carries_the_runtime_and_all_templates(tmp_path: Path) -> None:
         cwd=tmp_path,
     )
     installed = site / "proxgen"
-    for part in ("include", "src"):
+    for part in ("include", "src", "bench"):
         expected = {path.name for path in (ROOT / "runtime" / part).rglob("*") if path.is_file()}
         assert {p.name for p in (installed / "_runtime" / part).rglob("*") if p.is_file()} == expected
     for templates in ROOT.glob("proxgen/*/templates/*"):
