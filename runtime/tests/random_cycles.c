@@ -6,6 +6,7 @@
  * (--plain: the default ones), 1 % corrupted inputs. --record writes status and q_dot of every cycle;
  * --follow starts each cycle from the velocity that another run recorded, so that two solvers can be compared
  * cycle by cycle. */
+#include "../bench/count_heap.h"
 #include "check.h"
 #include "geometry.h"
 #include "state.h"
@@ -107,7 +108,7 @@ static void draw_input(random_t *random, const pg_parameters_t *p, input_t *inpu
     input->ages[i] = fmin(p->sensor_timeout, 1.0) * between(random, 0.0, 1.0);
   }
   for (int i = 0; i < PG_CAPACITIVE; i++) {
-    input->switches[i] = chance(random, 0.3 * few);
+    input->switches[i] = chance(random, 0.3 * few) ? 1 : 0;
     input->switch_ages[i] = fmin(p->sensor_timeout, 1.0) * between(random, 0.0, 1.0);
   }
   input->seen.tof_age = chance(random, 0.5) ? input->ages : NULL;
@@ -151,7 +152,7 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
   }
 }
 
-static void print_summary(const pg_controller_t *controller, double worst) {
+static void print_summary(const pg_controller_t *controller, double worst, unsigned long long heap) {
   const pg_counters_t *counters = &controller->counters;
   unsigned long long sum = 0;
   printf("%s: %llu cycles, greatest residual %.1e, %llu solves, %llu second chances, %llu not certified, at "
@@ -165,6 +166,7 @@ static void print_summary(const pg_controller_t *controller, double worst) {
       printf("  %s %llu\n", pg_status_name((pg_status_t)s), counters->status_count[s]);
   }
   CHECK(sum == counters->cycles);
+  if (HEAP_IS_COUNTED) printf("  heap: %llu calls\n", heap);
 }
 
 int main(int argc, char **argv) {
@@ -183,6 +185,7 @@ int main(int argc, char **argv) {
 
   static input_t input;
   double worst = 0.0, entry[2 + PG_N] = {0.0};
+  unsigned long long heap = 0;
   for (long i = 0; i < cycles && checks_failed < 20; i++) {
     if (i % CYCLES_PER_PARAMETERS == 0 && !plain) draw_parameters(&random, controller, extreme);
     if (i % CYCLES_PER_STATE == 0) draw_state(&random, &controller->parameters, &input);
@@ -199,11 +202,13 @@ int main(int argc, char **argv) {
     if (follow && !at_rest) memcpy(controller->qdot_previous, &entry[2], PG_N * sizeof(double));
 
     double qdot[PG_N];
+    const unsigned long long before = heap_calls();
     const pg_status_t status = pg_step(controller, sent.q, sent.xdot, &sent.seen, qdot);
+    heap += heap_calls() - before;
     check_cycle(controller, status, qdot);
     if (isfinite(controller->cycle.kkt_residual)) worst = fmax(worst, controller->cycle.kkt_residual);
-    if (controller->time_previous > 1e200)
-      pg_reset(controller); /* a corrupted time was later than any other */
+    at_rest = controller->time_previous > 1e200; /* a corrupted time was later than any other */
+    if (at_rest) pg_reset(controller);
     const double own[2] = {(double)status, controller->cycle.kkt_residual};
     if (record) {
       fwrite(own, sizeof own, 1, record);
@@ -211,7 +216,7 @@ int main(int argc, char **argv) {
     }
     if (follow) CHECK(fread(entry, sizeof entry, 1, follow) == 1);
   }
-  print_summary(controller, worst);
+  print_summary(controller, worst, heap);
   pg_destroy(controller);
   if (record) fclose(record);
   if (follow) fclose(follow);
