@@ -71,7 +71,13 @@ def draw_peers(benchmark: PeerBenchmark, path: Path) -> Path:
         colours = [BLUE if own else STEEL for _, _, own in bars]
         axes.barh([name for name, _, _ in bars], times, color=colours, height=0.7)
         for place, time in enumerate(times):
-            axes.annotate(f"{time:.3g}", (time, place), (3, 0), textcoords="offset points", va="center")
+            axes.annotate(
+                f"{time:.2f}" if time < 10.0 else f"{time:.0f}",
+                (time, place),
+                (3, 0),
+                textcoords="offset points",
+                va="center",
+            )
         axes.set(xscale="log", xlabel="median time of a cycle [µs]")
         axes.invert_yaxis()
         return save(figure, path)
