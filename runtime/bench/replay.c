@@ -98,7 +98,7 @@ static int time_stages(pg_controller_t *controller, const input_t *input, double
   pg_model_objective(p, &controller->kinematics, input->q, input->xdot, cycle->H, cycle->g,
                      &cycle->manipulability, &cycle->damping);
   mark[5] = seconds();
-  status = pg_solve_by_stages(controller);
+  status = pg_find_velocity(controller);
   mark[6] = seconds();
   const pg_qp_t qp = {.H = cycle->H,
                       .g = cycle->g,

@@ -48,7 +48,7 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
   pg_write_rows(controller);
   pg_model_objective(p, &controller->kinematics, q, xdot, cycle->H, cycle->g, &cycle->manipulability,
                      &cycle->damping);
-  return pg_solve_by_stages(controller);
+  return pg_find_velocity(controller);
 }
 
 /* Adds the cycle to the counters. */

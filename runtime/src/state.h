@@ -63,8 +63,24 @@ pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t 
 /* Step 4. */
 void pg_write_rows(pg_controller_t *controller);
 
-/* Steps 6 and 7: leaves a certified solution and returns its stage, or the reason why there is none. */
-pg_status_t pg_solve_by_stages(pg_controller_t *controller);
+/* Steps 6 and 7: leaves a certified solution and returns its stage, or the reason why there is none. In
+ * ladder.c or slack.c, as the robot's relaxation is. */
+pg_status_t pg_find_velocity(pg_controller_t *controller);
+
+/* Solves a QP that is loaded: PG_OPTIMAL, with a certificate, PG_INFEASIBLE, or PG_UNSOLVED. */
+pg_outcome_t pg_solve(pg_controller_t *controller, const pg_qp_t *qp);
+
+/* The QP of the cycle, with the right-hand sides of the stage that is being solved. */
+static inline pg_qp_t pg_stage_of(const pg_controller_t *controller) {
+  const pg_diagnostics_t *cycle = &controller->cycle;
+  return (pg_qp_t){.H = cycle->H,
+                   .g = cycle->g,
+                   .A = cycle->A,
+                   .lb = cycle->lb,
+                   .ub = cycle->ub,
+                   .ubA = controller->ubA,
+                   .softness = controller->softness};
+}
 
 /* Greatest violation of the optimality conditions (KKT) by a solution; infinity if it is not finite. */
 double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution);
