@@ -4,36 +4,22 @@ All blocks run in order in one copy of the repository, so that what a block buil
 """
 
 import json
-import os
 import re
 import shutil
-import subprocess
-import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from pages import ROOT, blocks_of, copy_repository, run_block, shell
 
 from proxgen.config import load
 from proxgen.model import build_model
 
-ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 pytestmark = pytest.mark.slow
 
 
-@dataclass(frozen=True)
-class Block:
-    """A fenced block: its language and its text."""
-
-    language: str
-    text: str
-
-
-BLOCKS = [
-    Block(language, text) for language, text in re.findall(r"^```(\w+)\n(.*?)^```$", README, re.M | re.S)
-]
+BLOCKS = blocks_of(README)
 COMMANDS = [
     line for block in BLOCKS if block.language == "sh" for line in block.text.splitlines() if line.strip()
 ]
@@ -43,43 +29,8 @@ MAKE_TEST = "make test "
 
 @pytest.fixture(scope="module")
 def clone(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The files of the repository in a folder of their own, with this Python's environment as .venv."""
-    folder = tmp_path_factory.mktemp("readme") / "proxgen"
-    unwanted = (
-        ".git",
-        ".venv",
-        "build",
-        "out",
-        "dist",
-        "__pycache__",
-        ".*_cache",
-        ".hypothesis",
-        "*.egg-info",
-    )
-    shutil.copytree(ROOT, folder, ignore=shutil.ignore_patterns(*unwanted))
-    (folder / ".venv").symlink_to(sys.prefix)
-    return folder
-
-
-def shell(script: str, folder: Path) -> str:
-    """What a script says, with the activated environment of the clone; an AssertionError if it fails."""
-    # -o: the environment is there already; make is not to install into it.
-    activated = 'make() { command make -o .venv/.installed "$@"; }\n. .venv/bin/activate\n' + script
-    clean = {
-        name: value
-        for name, value in os.environ.items()
-        if not name.startswith(("PYTEST_", "MAKE", "MFLAGS"))
-    }
-    done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", activated],
-        cwd=folder,
-        env=clean,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 0, f"{script}\n{done.stdout}\n{done.stderr}"
-    return done.stdout
+    """A copy of the repository."""
+    return copy_repository(tmp_path_factory.mktemp("readme") / "proxgen")
 
 
 def check_measured_numbers(folder: Path) -> None:
@@ -107,10 +58,8 @@ def test_everything_in_the_readme_runs_in_order(clone: Path) -> None:
         if block.language == "sh":
             lines = [line for line in block.text.splitlines() if not line.startswith(MAKE_TEST)]
             said.append(shell("\n".join(lines), clone))
-        elif block.language == "python":
-            said.append(shell(f"python - <<'END'\n{block.text}END\n", clone))
-        elif block.language == "c":
-            (clone / block.text.split()[1]).write_text(block.text)
+        elif block.language in {"python", "c"}:
+            said.append(run_block(block, clone))
     output = "\n".join(said)
     assert re.search(r"Comparison +pass", output)  # make demo
     assert "verdict: pass" in output  # proxgen compare
