@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array, Command, Controller, Diagnostics, Status
-from proxgen.controllers.reference.avoidance import thresholds
 from proxgen.controllers.reference.feasibility import feasibility_margin
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.controllers.reference.qp import QuadraticProgram, kkt_residual, solve
-from proxgen.controllers.reference.relaxation import STAGES, slack_weights, soft_program, stage_rows
+from proxgen.controllers.reference.relaxation import STAGES, soft_program, stage_rows
+from proxgen.controllers.reference.row_order import RowOrder
 from proxgen.errors import CompareError
 
 
@@ -80,7 +80,7 @@ class Judge:
         self.tolerances = tolerances or Tolerances()
         self._soft = config.relaxation.mode == "slack"
         self._parameters = Parameters(**dict(reference.parameters))  # type: ignore[arg-type]
-        self._limits = thresholds(config.avoidance.schedule, self._parameters)
+        self._order = RowOrder.of(config)
         self._tolerance = config.solver.tolerance
 
     def judge(self, candidate: Command, reference: Command) -> Judgement:
@@ -134,8 +134,8 @@ class Judge:
         x = candidate.qdot
         if self._soft:
             exceeded = np.maximum(program.A @ x - program.b, 0.0)
-            rho = slack_weights(theirs.row_on, theirs.distance, self._parameters)[theirs.row_on]
-            program, x = soft_program(program, rho), np.concatenate((x, exceeded))
+            rho = self._order.weights(theirs.row_on, theirs.distance, theirs.self_distance, self._parameters)
+            program, x = soft_program(program, rho[theirs.row_on]), np.concatenate((x, exceeded))
         solution = solve(program, self._tolerance).solution
         if solution is None:
             return np.inf
@@ -144,7 +144,8 @@ class Judge:
 
     def _program(self, status: Status, theirs: Diagnostics) -> QuadraticProgram:
         """The reference's QP with the rows that a stage keeps."""
-        kept, b = stage_rows(status, theirs.row_on, theirs.ubA, theirs.distance, self._limits)
+        ladder = self._order.ladder(theirs.distance, theirs.self_distance, self._parameters)
+        kept, b = stage_rows(status, theirs.row_on, theirs.ubA, ladder)
         return QuadraticProgram(theirs.H, theirs.g, theirs.A[kept], b[kept], theirs.lb, theirs.ub)
 
     def _status_sentence(self, mine: Status, reference: Status, theirs: Diagnostics) -> str:

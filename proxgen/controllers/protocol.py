@@ -69,7 +69,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class Diagnostics:
-    """The QP of the cycle and how it was decided. R = rows: one slot per capsule, then the active row.
+    """The QP of the cycle and how it was decided. R = rows, in the order of docs/method.md.
 
     Matrices are those of stage 0 (all rows); the rows that were dropped or raised follow from the status.
 
@@ -91,6 +91,11 @@ class Diagnostics:
         iterations: working-set changes in this cycle, all stages.
         solves: QPs solved in this cycle, all stages and second chances.
         second_chances: solves whose first answer failed the certificate.
+        self_readings: readings and switches that the arm itself explains; 0 without self-measurement removal.
+        memory_points: used slots of the memory; 0 without one.
+        self_distance: (L,) to the nearest self-collision point [m]; inf: none within self_d_a; (0,) without.
+        circulating: whether the task velocity is that of circulation.
+        tangent: (3,) direction of circulation; (0,) without it.
     """
 
     H: Array
@@ -110,6 +115,11 @@ class Diagnostics:
     iterations: int
     solves: int
     second_chances: int
+    self_readings: int = field(default_factory=int)
+    memory_points: int = field(default_factory=int)
+    self_distance: Array = field(default_factory=lambda: np.empty(0))
+    circulating: bool = field(default_factory=bool)
+    tangent: Array = field(default_factory=lambda: np.empty(0))
 
 
 @dataclass(frozen=True)

@@ -93,10 +93,10 @@ class WrongSign(ReferenceController):
         super().__init__(config, model)
         self._wrong = capsule
 
-    def _solve(self, q: Array, xdot: Array, nearest: Any) -> Command:
+    def _solve(self, q: Array, xdot: Array, seen: Any, nearest: Any, own: Any) -> Command:
         direction = nearest.direction.copy()
         direction[self._wrong] *= -1.0
-        return super()._solve(q, xdot, replace(nearest, direction=direction))
+        return super()._solve(q, xdot, seen, replace(nearest, direction=direction), own)
 
 
 def diagnostics_of_another_arm(found: Diagnostics) -> Diagnostics:

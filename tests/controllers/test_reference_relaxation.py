@@ -9,22 +9,29 @@ from proxgen.compare.states import random_states
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import OFF, Array, Status
 from proxgen.controllers.reference import ReferenceController
-from proxgen.controllers.reference.avoidance import Thresholds, thresholds
 from proxgen.controllers.reference.feasibility import feasibility_margin
 from proxgen.controllers.reference.parameters import default_parameters
 from proxgen.controllers.reference.qp import QuadraticProgram
 from proxgen.controllers.reference.relaxation import (
     STAGES,
+    Ladder,
+    dropping,
     slack_weights,
     soft,
     stage_rows,
     staged,
 )
+from proxgen.controllers.reference.row_order import RowOrder
 from proxgen.model import RobotModel
 
 TOLERANCE = 1e-8
-LIMITS = Thresholds(influence=0.30, on=0.30, distant=0.25, critical=0.17)
+DISTANT, CRITICAL = 0.25, 0.17
 ALL_ON = np.ones(3, dtype=bool)
+
+
+def ladder(distance: Array) -> Ladder:
+    """Capsules at these distances, and the active row."""
+    return Ladder(np.append(dropping(distance, DISTANT, CRITICAL), Status.REDUCED_ACTIVE))
 
 
 def one_joint(b: tuple[float, float, float], lower: float = -1.0) -> QuadraticProgram:
@@ -54,7 +61,7 @@ def test_each_stage_decides_where_it_is_the_first_feasible_one(
     solves: int,
 ) -> None:
     """`solves` counts the stages that differ from the one before: the others are skipped."""
-    decision = staged(one_joint(b, lower), ALL_ON, np.array(distance), LIMITS, TOLERANCE)
+    decision = staged(one_joint(b, lower), ALL_ON, ladder(np.array(distance)), TOLERANCE)
     assert decision.status is status
     assert decision.solves == solves
     assert not decision.slack.any()
@@ -68,7 +75,7 @@ def test_each_stage_decides_where_it_is_the_first_feasible_one(
 def test_stages_are_cumulative() -> None:
     distance, b = np.array([0.28, 0.20, 0.10]), np.array([-0.1, -0.2, 0.1, 0.0])
     on = np.ones(4, dtype=bool)
-    kept = {status: stage_rows(status, on, b, distance, LIMITS) for status in STAGES}
+    kept = {status: stage_rows(status, on, b, ladder(distance)) for status in STAGES}
     assert kept[Status.SOLVED][0].tolist() == [True, True, True, True]
     assert kept[Status.REDUCED_ACTIVE][0].tolist() == [True, True, True, False]
     assert kept[Status.REDUCED_DISTANT][0].tolist() == [False, True, True, False]
@@ -81,18 +88,18 @@ def test_stages_are_cumulative() -> None:
 
 def test_rows_on_a_threshold_stay() -> None:
     """d > d_0u is dropped, d = d_0u is not; the same at d_r."""
-    distance = np.array([LIMITS.distant, np.nextafter(LIMITS.distant, 1.0)])
-    kept, _ = stage_rows(Status.REDUCED_DISTANT, ALL_ON[:2], np.zeros(2), distance, LIMITS)
-    assert kept.tolist() == [True, False]
-    distance = np.array([LIMITS.critical, np.nextafter(LIMITS.critical, 1.0)])
-    kept, _ = stage_rows(Status.REDUCED_CRITICAL, ALL_ON[:2], np.zeros(2), distance, LIMITS)
-    assert kept.tolist() == [True, False]
+    distance = np.array([DISTANT, np.nextafter(DISTANT, 1.0)])
+    kept, _ = stage_rows(Status.REDUCED_DISTANT, ALL_ON, np.zeros(3), ladder(distance))
+    assert kept.tolist() == [True, False, False]
+    distance = np.array([CRITICAL, np.nextafter(CRITICAL, 1.0)])
+    kept, _ = stage_rows(Status.REDUCED_CRITICAL, ALL_ON, np.zeros(3), ladder(distance))
+    assert kept.tolist() == [True, False, False]
 
 
 def check_decisions(config: Config, model: RobotModel, count: int, seed: int) -> Counter[Status]:
     """Every decision on random states: the stage's rows hold, and each stage before it was infeasible."""
     controller = ReferenceController(config, model)
-    limits = thresholds(config.avoidance.schedule, default_parameters(config, model))
+    order, p = RowOrder.of(config), default_parameters(config, model)
     seen: Counter[Status] = Counter()
     for state in random_states(config, model, count, seed=seed, faults=0.0):
         if state.reset:
@@ -102,7 +109,8 @@ def check_decisions(config: Config, model: RobotModel, count: int, seed: int) ->
         seen[status] += 1
         assert (command.qdot >= found.lb).all() and (command.qdot <= found.ub).all()
         for stage in STAGES:
-            kept, b = stage_rows(stage, found.row_on, found.ubA, found.distance, limits)
+            steps = order.ladder(found.distance, found.self_distance, p)
+            kept, b = stage_rows(stage, found.row_on, found.ubA, steps)
             if stage == status:
                 assert (found.A[kept] @ command.qdot - b[kept]).max(initial=0.0) < TOLERANCE
                 break
@@ -158,7 +166,7 @@ def test_one_soft_row_by_hand(planar2_config: Config, planar2_model: RobotModel)
     """min ½x² - 0.9x + ½ρ(x - b)²: x = (0.9 + ρb)/(1 + ρ), s = x - b."""
     p = default_parameters(planar2_config, planar2_model)
     program, on = one_joint((-0.2, OFF, OFF)), np.array([True, False, False])
-    decision = soft(program, on, np.array([0.08, np.inf]), p, TOLERANCE)
+    decision = soft(program, on, slack_weights(on, np.array([0.08, np.inf]), p), TOLERANCE)
     x = (0.9 - 100.0 * 0.2) / 101.0
     assert decision.status is Status.SOLVED
     assert decision.solution is not None

@@ -19,6 +19,9 @@ from proxgen.errors import ControllerError
 
 _STATUS = {status.value: status for status in Status}
 _DIAGNOSTICS = frozenset(field.name for field in fields(Diagnostics))
+_ABSENT = {
+    field.name: field.default_factory for field in fields(Diagnostics) if callable(field.default_factory)
+}
 _FLOAT = np.dtype(np.float64)
 _BOOL = np.dtype(np.bool_)
 _new = object.__new__
@@ -288,7 +291,9 @@ class _LazyDiagnostics(Diagnostics):
         state = self.__dict__
         record = np.frombuffer(state["_snapshot"], state["_layout"])[0]
         n = len(record["g"])
-        values = {key: _number_or_array(record[key]) for key in _DIAGNOSTICS}
+        known = _DIAGNOSTICS.intersection(record.dtype.names or ())
+        values = {key: _number_or_array(record[key]) for key in known}
+        values |= {key: make() for key, make in _ABSENT.items() if key not in known}
         values["H"] = record["H"].reshape(n, n).copy()
         values["A"] = record["A"].reshape(-1, n).copy()
         values["nearest_point"] = record["nearest_point"].reshape(-1, 3).copy()

@@ -1,86 +1,26 @@
-"""From readings to rows: obstacle points, nearest points, the laws (12)(13), the rows (4)(5) and (6)(7)."""
+"""From obstacle points to rows: nearest points, the laws (12)(13), the rows (4)(5) and (6)(7)."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from proxgen.controllers.protocol import OFF, Array, Measurement
+from proxgen.controllers.protocol import OFF, Array
+from proxgen.controllers.reference.geometry import (
+    NO_DIRECTION,
+    SAME_DISTANCE,
+    Capsules,
+    closest_on_segments,
+    first_of_nearest,
+)
 from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.parameters import Parameters
-from proxgen.model.robot_model import RobotModel, SensorModule
-
-SAME_DISTANCE = 1e-9
-"""Distances that differ by no more are equal, to each other and to a threshold [m]."""
-
-NO_DIRECTION = 1e-6
-"""An obstacle point nearer than this to a capsule's axis has no direction to leave it [m]."""
 
 SMALLEST_ROW = 1e-6
 """A row with a smaller norm cannot be served by any joint and is off."""
 
 NEAREST_WEIGHTED = 1e-3
 """Least distance in the weights (6), so that they stay finite [m]."""
-
-
-class SensorPoints:
-    """Step 2: the obstacle points that the skin sees."""
-
-    def __init__(self, model: RobotModel) -> None:
-        """Collect the sensors' places, once."""
-        switches = model.capacitive_modules
-        self._tof = _Places(model.tof_modules)
-        self._capacitive = _Places(switches)
-        self._virtual = np.array(
-            [module.capacitive.virtual_distance for module in switches if module.capacitive]
-        )
-        self.tof_limit = np.array([module.tof.range for module in model.tof_modules if module.tof])
-        """(S,) greatest reading of each range sensor [m]; such a reading means that nothing was seen."""
-
-    def see(self, arm: Arm, measurement: Measurement) -> Array:
-        """All obstacle points in the order of docs/method.md, (P, 3), world [m]."""
-        readings = np.asarray(measurement.tof_range, dtype=float)
-        seen = np.flatnonzero(readings < self.tof_limit)
-        closed = np.flatnonzero(measurement.capacitive)
-        return np.concatenate(
-            (
-                self._tof.points(arm, seen, readings[seen]),
-                self._capacitive.points(arm, closed, self._virtual[closed]),
-                np.reshape(np.asarray(measurement.points, dtype=float), (-1, 3)),
-            )
-        )
-
-
-class _Places:
-    """Where sensors sit and look, in their bodies' frames."""
-
-    def __init__(self, modules: Sequence[SensorModule]) -> None:
-        self.body = np.array([module.body for module in modules], dtype=int)
-        self.position = np.array([module.position for module in modules]).reshape(-1, 3)
-        self.normal = np.array([module.normal for module in modules]).reshape(-1, 3)
-
-    def points(self, arm: Arm, which: NDArray[np.intp], reach: Array) -> Array:
-        """Points h = o + r n (K, 3) in the world, of the sensors `which` (K,) at distances `reach` (K,)."""
-        return arm.in_world(self.body[which], self.position[which] + reach[:, None] * self.normal[which])
-
-
-class Capsules:
-    """The capsules of an arm as arrays, in their bodies' frames.
-
-    Attributes:
-        body: (L,) Pinocchio joint indices.
-        start: (L, 3) one end of each axis [m].
-        end: (L, 3) the other one [m].
-        reference_radius: (L,) subtracted from the distance to the axis [m].
-    """
-
-    def __init__(self, model: RobotModel) -> None:
-        """Collect them, once."""
-        self.body = np.array([capsule.body for capsule in model.capsules], dtype=np.intp)
-        self.start = np.array([capsule.start for capsule in model.capsules])
-        self.end = np.array([capsule.end for capsule in model.capsules])
-        self.reference_radius = np.array([capsule.reference_radius for capsule in model.capsules])
 
 
 @dataclass(frozen=True)
@@ -102,24 +42,6 @@ class Nearest:
     inside: bool
 
 
-def closest_on_segments(points: Array, start: Array, end: Array) -> Array:
-    """Closest points p (L, P, 3) of L segments to P points h: p = a + t (b - a).
-
-    t = clamp((h - a)·(b - a)/‖b - a‖², 0, 1), and 0 for a sphere, a = b.
-
-    Args:
-        points: h (P, 3).
-        start: a (L, 3).
-        end: b (L, 3).
-    """
-    along = end - start
-    square = (along * along).sum(axis=1)
-    projected = points @ along.T - (start * along).sum(axis=1)
-    t = np.minimum(np.maximum(projected / np.where(square > 0.0, square, 1.0), 0.0), 1.0)
-    closest: Array = start[:, None] + t.T[:, :, None] * along[:, None]
-    return closest
-
-
 def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float) -> Nearest:
     """The nearest of the obstacle points (P, 3) for each capsule; of points that are equally near the first.
 
@@ -133,13 +55,12 @@ def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float
     if not len(points):
         nowhere = np.full((count, 3), np.nan)
         return Nearest(np.full(count, np.inf), nowhere, nowhere, nowhere, False)
-    start, end = arm.in_world(capsules.body, capsules.start), arm.in_world(capsules.body, capsules.end)
-    on_axis = closest_on_segments(points, start, end)
+    on_axis = closest_on_segments(points, *capsules.place(arm))
     offset = points - on_axis
     length = np.sqrt((offset * offset).sum(axis=2))
     reach = influence + capsules.reference_radius
     slots = np.arange(count)
-    nearest = np.array([_first_of_nearest(length[slot], reach[slot]) for slot in slots])
+    nearest = np.array([first_of_nearest(length[slot], reach[slot]) for slot in slots])
     least = length[slots, nearest]
     distance = least - capsules.reference_radius
     there = (least <= reach)[:, None]
@@ -153,25 +74,27 @@ def nearest_points(arm: Arm, capsules: Capsules, points: Array, influence: float
     )
 
 
-def _first_of_nearest(length: Array, reach: float) -> int:
-    """Index of the point that is kept of points at distances (P,), offered one after the other."""
-    within = np.where(length <= reach, length, np.inf)
-    kept = 0
-    for index in np.flatnonzero(within < np.minimum.accumulate(np.append(np.inf, within[:-1]))).tolist():
-        if within[index] < within[kept] - SAME_DISTANCE:
-            kept = index
-    return kept
+def approach_speed(d: float, distances: tuple[float, float, float, float], p: Parameters) -> float:
+    """ẋ_a(d) of (12)(13) [m/s]: approach above d_0u, dead zone to d_0l, repulsion that is full at d_r.
+
+    Args:
+        d: distance [m].
+        distances: d_a, d_0u, d_0l, d_r [m].
+        p: the two speeds.
+    """
+    d_a, d_0u, d_0l, d_r = distances
+    if d > d_0u:
+        return p.approach_speed * (d - d_0u) / (d_a - d_0u)
+    if d > d_0l:
+        return 0.0
+    if d > d_r:
+        return p.repulse_speed * (d_0l - d) / (d_0l - d_r)
+    return p.repulse_speed
 
 
 def approach_law(d: float, p: Parameters) -> float:
-    """ẋ_a(d) of (12)(13) [m/s]: approach above d_0u, dead zone to d_0l, repulsion that is full at d_r."""
-    if d > p.d_0u:
-        return p.approach_speed * (d - p.d_0u) / (p.d_a - p.d_0u)
-    if d > p.d_0l:
-        return 0.0
-    if d > p.d_r:
-        return p.repulse_speed * (p.d_0l - d) / (p.d_0l - p.d_r)
-    return p.repulse_speed
+    """ẋ_a(d) of (12)(13) [m/s] with the thresholds (17)."""
+    return approach_speed(d, (p.d_a, p.d_0u, p.d_0l, p.d_r), p)
 
 
 def damper_law(d: float, p: Parameters) -> float:
@@ -179,6 +102,10 @@ def damper_law(d: float, p: Parameters) -> float:
     if d > p.damper_safety:
         return p.approach_speed * (d - p.damper_safety) / (p.damper_influence - p.damper_safety)
     return max(p.damper_repulse_speed, p.damper_gain * (d - p.damper_safety))
+
+
+LAWS = {"paper": approach_law, "damper": damper_law}
+"""The law of each schedule."""
 
 
 @dataclass(frozen=True)
@@ -210,7 +137,7 @@ def thresholds(schedule: str, p: Parameters) -> Thresholds:
 
 @dataclass(frozen=True)
 class Rows:
-    """Step 4: one slot per capsule, then the active row if there is one; R in all.
+    """Step 4: one slot per capsule, then the active row if there is one, then the additions' rows; R in all.
 
     Attributes:
         A: (R, n); zeros where off.
@@ -236,7 +163,7 @@ def rows(arm: Arm, capsules: Capsules, nearest: Nearest, schedule: str, active: 
         active: whether the active row exists.
         p: distances and speeds.
     """
-    law = approach_law if schedule == "paper" else damper_law
+    law = LAWS[schedule]
     begin = thresholds(schedule, p).on
     count = len(capsules.body)
     candidates = np.zeros((count, arm.n))

@@ -9,10 +9,16 @@ import numpy as np
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import OFF, Array, Command, Diagnostics, Measurement, Status
 from proxgen.controllers.reference import avoidance, objective, relaxation
+from proxgen.controllers.reference.baselines import BASELINES
+from proxgen.controllers.reference.circulation import Circulation
 from proxgen.controllers.reference.faults import find_fault, within_limits
+from proxgen.controllers.reference.geometry import Capsules
 from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.parameters import changed, default_parameters
 from proxgen.controllers.reference.qp import QuadraticProgram
+from proxgen.controllers.reference.row_order import RowOrder
+from proxgen.controllers.reference.self_collision import OwnNearest, SelfPoints, own_rows
+from proxgen.controllers.reference.sensing import Eyes, Seen
 from proxgen.errors import ControllerError
 from proxgen.model.robot_model import RobotModel
 
@@ -33,14 +39,17 @@ class ReferenceController:
         """
         self.model = model
         self._parameters = default_parameters(config, model)
-        self._schedule = config.avoidance.schedule
-        self._active = config.avoidance.active.enabled
+        self._order = RowOrder.of(config)
         self._soft = config.relaxation.mode == "slack"
         self._tolerance = config.solver.tolerance
         self._max_points = config.skin.max_points
         self._arm = Arm(model)
-        self._sensors = avoidance.SensorPoints(model)
-        self._capsules = avoidance.Capsules(model)
+        self._capsules = Capsules(model)
+        self._eyes = Eyes(config, model, self._capsules)
+        self._own = SelfPoints(model) if self._order.own else None
+        self._circulation = Circulation(model.task_rows) if config.avoidance.circulation.enabled else None
+        baseline = BASELINES.get(self._order.method)
+        self._baseline = baseline(self._order.schedule, model.task_rows) if baseline else None
         self.reset()
 
     @property
@@ -57,9 +66,14 @@ class ReferenceController:
         self._parameters = changed(self._parameters, values)
 
     def reset(self) -> None:
-        """Forget the previous velocity and the previous time."""
+        """Forget the previous velocity, the previous time, and what additions remember."""
         self._previous_time: float | None = None
         self._qdot_previous = np.zeros(self.model.n)
+        self._eyes.reset()
+        if self._circulation is not None:
+            self._circulation.reset()
+        if self._baseline is not None:
+            self._baseline.reset()
 
     def follow(self, qdot: Array) -> None:
         """Take (n,) `qdot` for the previous command: what another controller gave to the arm [rad/s]."""
@@ -79,30 +93,38 @@ class ReferenceController:
         q, xdot = _vector("q", q, self.model.n), _vector("xdot", xdot, self.model.m)
         self._check_sizes(measurement)
         p, time = self._parameters, measurement.time
-        fault = find_fault(q, xdot, measurement, self._sensors.tof_limit, self._previous_time, p)
+        fault = find_fault(q, xdot, measurement, self._eyes.tof_limit, self._previous_time, p)
         later = self._previous_time is None or time > self._previous_time
         if later and fault is not Status.FAULT_NOT_FINITE:
             self._previous_time = time
         if fault is not None:
             return self._safe_stop(fault, q)
         self._arm.move_to(q)
-        points = self._sensors.see(self._arm, measurement)
-        influence = avoidance.thresholds(self._schedule, p).influence
-        nearest = avoidance.nearest_points(self._arm, self._capsules, points, influence)
-        if nearest.inside:
+        seen = self._eyes.see(self._arm, measurement, p)
+        influence = avoidance.thresholds(self._order.schedule, p).influence
+        nearest = avoidance.nearest_points(self._arm, self._capsules, seen.points, influence)
+        own = self._own.nearest(self._arm, self._capsules, p.self_d_a) if self._own else None
+        if nearest.inside or (own is not None and own.inside):
             return self._safe_stop(Status.FAULT_OBSTACLE_INSIDE, q)
-        return self._solve(q, xdot, nearest)
+        return self._solve(q, xdot, seen, nearest, own)
 
-    def _solve(self, q: Array, xdot: Array, nearest: avoidance.Nearest) -> Command:
-        """Steps 4 to 7: rows, objective, bounds, decision."""
+    def _solve(
+        self, q: Array, xdot: Array, seen: Seen, nearest: avoidance.Nearest, own: OwnNearest | None
+    ) -> Command:
+        """Steps 4 to 7: rows, objective, bounds, decision; before them what circulation does."""
         p = self._parameters
-        rows = avoidance.rows(self._arm, self._capsules, nearest, self._schedule, self._active, p)
         J = self._arm.task_jacobian()
+        if self._circulation is not None:
+            onset = p.d_a if self._order.schedule == "paper" else p.damper_influence
+            xdot = self._circulation.change(xdot, J, self._qdot_previous, nearest, onset, p)
+        rows = self._rows(xdot, nearest, own)
+        own_distance = relaxation.NONE if own is None else own.distance
         w = objective.manipulability(J)
         damping = objective.damping(w, p)
         H, g = objective.objective(J, xdot, q, damping, p)
         lb, ub = objective.bounds(q, self._qdot_previous, p)
-        decision = self._decide(QuadraticProgram(H, g, rows.A, rows.b, lb, ub), rows, nearest.distance)
+        program = QuadraticProgram(H, g, rows.A, rows.b, lb, ub)
+        decision = self._decide(program, rows, nearest.distance, own_distance)
         solution = decision.solution
         qdot = np.zeros(q.size) if solution is None else solution.x[: q.size]
         diagnostics = Diagnostics(
@@ -123,18 +145,36 @@ class ReferenceController:
             iterations=decision.iterations,
             solves=decision.solves,
             second_chances=decision.second_chances,
+            self_readings=seen.self_readings,
+            memory_points=seen.memory_points,
+            self_distance=own_distance,
+            circulating=bool(self._circulation and self._circulation.circulating),
+            tangent=self._circulation.tangent if self._circulation else relaxation.NONE,
         )
         return self._command(qdot, decision.status, diagnostics)
 
+    def _rows(self, xdot: Array, nearest: avoidance.Nearest, own: OwnNearest | None) -> avoidance.Rows:
+        """Step 4, with the rows of self-collision; or those of the method that is in place of it."""
+        p, arm, capsules = self._parameters, self._arm, self._capsules
+        if self._baseline is not None:
+            return self._baseline.rows(arm, capsules, nearest, xdot, p)
+        rows = avoidance.rows(arm, capsules, nearest, self._order.schedule, self._order.active, p)
+        if own is None:
+            return rows
+        own_A, own_b = own_rows(arm, capsules, own, p)
+        A, b = np.concatenate((rows.A, own_A)), np.concatenate((rows.b, own_b))
+        return avoidance.Rows(A, b, b < OFF, rows.approach_speed)
+
     def _decide(
-        self, program: QuadraticProgram, rows: avoidance.Rows, distance: Array
+        self, program: QuadraticProgram, rows: avoidance.Rows, distance: Array, own_distance: Array
     ) -> relaxation.Decision:
         """Step 6, in the mode of the configuration."""
-        p = self._parameters
+        p, order = self._parameters, self._order
         if self._soft:
-            return relaxation.soft(program, rows.on, distance, p, self._tolerance)
-        limits = avoidance.thresholds(self._schedule, p)
-        return relaxation.staged(program, rows.on, distance, limits, self._tolerance)
+            rho = order.weights(rows.on, distance, own_distance, p)
+            return relaxation.soft(program, rows.on, rho, self._tolerance)
+        ladder = order.ladder(distance, own_distance, p)
+        return relaxation.staged(program, rows.on, ladder, self._tolerance)
 
     def _safe_stop(self, fault: Status, q: Array) -> Command:
         """q̇ = clamp(0, lb, ub), with no QP behind it: no rows, and nothing known of H and g."""
@@ -146,7 +186,7 @@ class ReferenceController:
             else objective.blind_bounds(self._qdot_previous, p)
         )
         n, slots = model.n, len(model.capsules)
-        count = slots + self._active
+        count = self._order.count
         diagnostics = Diagnostics(
             H=np.zeros((n, n)),
             g=np.zeros(n),
@@ -165,6 +205,8 @@ class ReferenceController:
             iterations=0,
             solves=0,
             second_chances=0,
+            self_distance=np.full(slots if self._own else 0, np.inf),
+            tangent=np.full(3 if self._circulation else 0, np.nan),
         )
         return self._command(np.zeros(n), fault, diagnostics)
 

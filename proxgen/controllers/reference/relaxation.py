@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from proxgen.controllers.protocol import OFF, Array, Status
-from proxgen.controllers.reference.avoidance import Thresholds
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.controllers.reference.qp import QuadraticProgram, Solution, solve
 
@@ -18,6 +17,10 @@ STAGES = (
     Status.REDUCED_REPULSION,
     Status.REDUCED_CRITICAL,
 )
+
+
+NONE = np.empty(0)
+"""Distances of an addition that is off."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +44,32 @@ class Decision:
     second_chances: int
 
 
+@dataclass(frozen=True)
+class Ladder:
+    """What the stages do with the rows.
+
+    Attributes:
+        dropped_at: (R,) the stage from which each row is dropped; KEPT: none.
+        least: right-hand sides below are raised to it from the stage of raised repulsion on [m/s].
+    """
+
+    dropped_at: NDArray[np.int_]
+    least: float = 0.0
+
+
+KEPT = 99
+"""Stands for a stage that does not come."""
+
+
+def dropping(distance: Array, distant: float, critical: float) -> NDArray[np.int_]:
+    """The stage from which rows at distances (K,) are dropped: those beyond `distant`, beyond `critical`."""
+    late = np.where(distance > critical, Status.REDUCED_CRITICAL, KEPT)
+    stages: NDArray[np.int_] = np.where(distance > distant, Status.REDUCED_DISTANT, late)
+    return stages
+
+
 def stage_rows(
-    status: Status, on: NDArray[np.bool_], b: Array, distance: Array, limits: Thresholds
+    status: Status, on: NDArray[np.bool_], b: Array, ladder: Ladder
 ) -> tuple[NDArray[np.bool_], Array]:
     """Rows and right-hand sides of a stage (each includes what the stages before it did).
 
@@ -50,43 +77,27 @@ def stage_rows(
         status: the stage, one of `STAGES`.
         on: (R,) rows of stage 0.
         b: (R,) their right-hand sides [m/s].
-        distance: (L,) of the capsules [m]; the row after them is the active row.
-        limits: the schedule's distances.
+        ladder: what happens to each row.
 
     Returns:
         (R,) rows that are kept, and (R,) right-hand sides.
     """
-    kept, count = on.copy(), distance.size
-    if status >= Status.REDUCED_ACTIVE:
-        kept[count:] = False
-    if status >= Status.REDUCED_DISTANT:
-        kept[:count] &= distance <= limits.distant
-    if status >= Status.REDUCED_REPULSION:
-        b = np.maximum(b, 0.0)
-    if status >= Status.REDUCED_CRITICAL:
-        kept[:count] &= distance <= limits.critical
-    return kept, b
+    kept: NDArray[np.bool_] = on & (status < ladder.dropped_at)
+    return kept, np.maximum(b, ladder.least) if status >= Status.REDUCED_REPULSION else b
 
 
-def staged(
-    program: QuadraticProgram,
-    on: NDArray[np.bool_],
-    distance: Array,
-    limits: Thresholds,
-    tolerance: float,
-) -> Decision:
+def staged(program: QuadraticProgram, on: NDArray[np.bool_], ladder: Ladder, tolerance: float) -> Decision:
     """The first stage of the ladder that is feasible; a stage that changes nothing is skipped.
 
     Args:
         program: the QP with all R rows, those that are off included.
         on: (R,) rows of stage 0.
-        distance: (L,) of the capsules [m].
-        limits: the schedule's distances.
+        ladder: what the stages do with the rows.
         tolerance: greatest KKT residual.
     """
     iterations = solves = second_chances = 0
     failed = False
-    for status, kept, b in _distinct_stages(on, program.b, distance, limits):
+    for status, kept, b in _distinct_stages(on, program.b, ladder):
         stage = QuadraticProgram(program.H, program.g, program.A[kept], b[kept], program.lb, program.ub)
         verdict = solve(stage, tolerance)
         iterations += verdict.iterations
@@ -101,12 +112,12 @@ def staged(
 
 
 def _distinct_stages(
-    on: NDArray[np.bool_], b: Array, distance: Array, limits: Thresholds
+    on: NDArray[np.bool_], b: Array, ladder: Ladder
 ) -> Iterator[tuple[Status, NDArray[np.bool_], Array]]:
     """The stages that differ from the one before."""
     previous: tuple[NDArray[np.bool_], Array] | None = None
     for status in STAGES:
-        kept, right = stage_rows(status, on, b, distance, limits)
+        kept, right = stage_rows(status, on, b, ladder)
         if (
             previous is None
             or not np.array_equal(kept, previous[0])
@@ -116,7 +127,7 @@ def _distinct_stages(
         previous = kept, right
 
 
-def slack_weights(on: NDArray[np.bool_], distance: Array, p: Parameters) -> Array:
+def slack_weights(on: NDArray[np.bool_], distance: Array, p: Parameters, own_distance: Array = NONE) -> Array:
     """Weights ρ (R,) of the soft rows: slack_weight · clip((d_a - d)/(d_a - d_r), minimum, maximum)².
 
     The active row has its own weight; a row that is off has slack_weight.
@@ -125,12 +136,18 @@ def slack_weights(on: NDArray[np.bool_], distance: Array, p: Parameters) -> Arra
         on: (R,) rows that are on.
         distance: (L,) of the capsules [m]; inf is allowed where the row is off.
         p: distances and weights.
+        own_distance: (L,) of self-collision [m], or (0,) without it.
     """
+    capsules, own = distance.size, on.size - own_distance.size
     rho = np.full(on.size, p.slack_weight)
-    rho[distance.size :] = p.slack_active_weight
-    slots = np.flatnonzero(on[: distance.size])
-    ramp = (p.d_a - distance[slots]) / (p.d_a - p.d_r)
-    rho[slots] *= np.minimum(np.maximum(ramp, p.slack_minimum), p.slack_maximum) ** 2
+    rho[capsules:own] = p.slack_active_weight
+    for first, distances, d_a, d_r in (
+        (0, distance, p.d_a, p.d_r),
+        (own, own_distance, p.self_d_a, p.self_d_r),
+    ):
+        slots = np.flatnonzero(on[first : first + distances.size])
+        ramp = (d_a - distances[slots]) / (d_a - d_r)
+        rho[first + slots] *= np.minimum(np.maximum(ramp, p.slack_minimum), p.slack_maximum) ** 2
     return rho
 
 
@@ -155,21 +172,18 @@ def soft_program(program: QuadraticProgram, rho: Array) -> QuadraticProgram:
     )
 
 
-def soft(
-    program: QuadraticProgram, on: NDArray[np.bool_], distance: Array, p: Parameters, tolerance: float
-) -> Decision:
+def soft(program: QuadraticProgram, on: NDArray[np.bool_], rho: Array, tolerance: float) -> Decision:
     """One QP in which every row that is on may be exceeded at a price.
 
     Args:
         program: the QP with all R rows, those that are off included.
         on: (R,) rows that are on.
-        distance: (L,) of the capsules [m].
-        p: distances and weights.
+        rho: (R,) weights.
         tolerance: greatest KKT residual.
     """
     n = program.g.size
     hard = QuadraticProgram(program.H, program.g, program.A[on], program.b[on], program.lb, program.ub)
-    verdict = solve(soft_program(hard, slack_weights(on, distance, p)[on]), tolerance)
+    verdict = solve(soft_program(hard, rho[on]), tolerance)
     slack = np.zeros(on.size)
     if verdict.solution is not None:
         slack[on] = verdict.solution.x[n:]
