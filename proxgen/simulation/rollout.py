@@ -21,6 +21,7 @@ from proxgen.simulation.recorder import Recorder, describe
 from proxgen.simulation.scenery import surroundings
 from proxgen.simulation.skin import Sensing, open_sensing
 from proxgen.simulation.task import TargetTracker
+from proxgen.simulation.trajectory import open_tracker
 from proxgen.simulation.world import World
 
 Array = NDArray[np.float64]
@@ -85,7 +86,8 @@ def run(
         gui: show pybullet's window, at the pace of the clock on the wall.
         start_offset: (n,) added to the scene's start [rad or m].
         plant: what moves; by default every command is followed exactly.
-        self_measurement: the skin sees the arm itself, and discards what that explains.
+        self_measurement: the skin sees the arm itself, and discards what that explains. If the controller is
+            configured to do that (skin.self_measurement), the skin sees the arm and discards nothing anyway.
 
     Returns:
         The log of all cycles.
@@ -98,14 +100,21 @@ def run(
         raise SimulationError(f"a duration of {duration:g} s has no cycle at {config.control.rate:g} Hz")
     around, arm = surroundings(scene, model, start_offset), ArmGeometry(model)
     field, tool = around.field, arm.tool(arm.poses(around.start))
-    tracker = TargetTracker(config.task, model, around.targets, tool)
+    tracker = open_tracker(config.task, model, around.targets, tool)
     moved: Plant = KinematicPlant(around.start) if plant is None else plant
     moved.reset(around.start)
     controller.reset()
     recorder = Recorder(cycles, arm)
     with ExitStack() as stack:
+        removal = config.skin.self_measurement.enabled
         eyes = open_sensing(
-            sensing, field, arm, max_points=config.skin.max_points, seed=seed, arm_in_rays=self_measurement
+            sensing,
+            field,
+            arm,
+            max_points=config.skin.max_points,
+            seed=seed,
+            arm_in_rays=self_measurement or removal,
+            discard_own=not removal,
         )
         stack.callback(eyes.close)
         window = stack.enter_context(World(field, arm, gui=True)) if gui else None
@@ -153,7 +162,7 @@ class _Loop:
         if self.window is not None:
             self.window.place(time, poses)
         measurement = self.eyes.measure(time, history)
-        velocity = self.tracker.update(tool)
+        velocity = self.tracker.update(tool, time)
         begin = clock.perf_counter_ns()
         command = self.controller.step(q, velocity.xdot, measurement)
         cycle_us = 1e-3 * (clock.perf_counter_ns() - begin)

@@ -65,6 +65,7 @@ class SkinSensing:
         *,
         seed: int,
         arm_in_rays: bool = False,
+        discard_own: bool = True,
         gui: bool = False,
     ) -> None:
         """Put the sensors of `arm` into a world with `field`.
@@ -73,12 +74,14 @@ class SkinSensing:
             field: the obstacles.
             arm: the arm with its sensor modules.
             seed: of noise and dropouts.
-            arm_in_rays: sensors see the arm too, and such readings are discarded (`SelfMeasurement`).
+            arm_in_rays: sensors see the arm too.
+            discard_own: the skin discards such readings (`SelfMeasurement`); else the controller has to.
             gui: show the world in a window.
         """
         self._field, self._arm = field, arm
         self._world = World(field, arm, arm_in_rays=arm_in_rays, gui=gui)
-        self._own = SelfMeasurement(arm) if arm_in_rays else None
+        self._own = SelfMeasurement(arm) if arm_in_rays and discard_own else None
+        self._raw = SelfMeasurement(arm, margin=0.0) if arm_in_rays and not discard_own else None
         ranging, switches = arm.model.tof_modules, arm.model.capacitive_modules
         self._ranging, self._switches = _RangeSensors(ranging), _Switches(switches)
         tof_seed, switch_seed = np.random.SeedSequence(seed).spawn(2)
@@ -141,9 +144,11 @@ class SkinSensing:
         trigger, cosine = switches.trigger[indices, None], switches.cosine[indices, None]
         in_cone = dot(offset, normals[:, None]) >= cosine * length
         closed = ((length <= trigger) & in_cone).any(axis=1)
+        carriers = switches.frame.body[indices]
         if self._own is not None:
-            carriers = switches.frame.body[indices]
             closed &= ~self._own.of_switches(poses, positions, normals, carriers, trigger, cosine)
+        if self._raw is not None:
+            closed |= self._raw.of_switches(poses, positions, normals, carriers, trigger, cosine)
         return closed.astype(float)
 
 
@@ -220,9 +225,10 @@ def open_sensing(
     max_points: int,
     seed: int,
     arm_in_rays: bool = False,
+    discard_own: bool = True,
     gui: bool = False,
 ) -> Sensing:
-    """The sensing of the given `mode`, `skin` or `ideal`.
+    """The sensing of the given `mode`, `skin` or `ideal`; the rest as for `SkinSensing`.
 
     Raises:
         SimulationError: unknown mode, or no world.
@@ -230,5 +236,5 @@ def open_sensing(
     if mode == "ideal":
         return IdealSensing(field, arm, max_points)
     if mode == "skin":
-        return SkinSensing(field, arm, seed=seed, arm_in_rays=arm_in_rays, gui=gui)
+        return SkinSensing(field, arm, seed=seed, arm_in_rays=arm_in_rays, discard_own=discard_own, gui=gui)
     raise SimulationError(unknown_name("sensing", mode, ("skin", "ideal")))

@@ -48,7 +48,7 @@ class SelfMeasurement:
         local = self._tof.position[which, None] + readings[:, None, None] * self._rays[which]
         bodies = np.repeat(self._tof.body[which], 5)
         inside = self._capsules.surface_distance(arm, arm.in_world(bodies, local.reshape(-1, 3)))
-        hit = np.any((inside <= margin + SAME_DISTANCE).reshape(-1, len(which), 5), axis=2)
+        hit = np.any((inside <= margin + SAME_DISTANCE).reshape(len(inside), len(which), 5), axis=2)
         return _any_seen(hit, self._tof_sees[which])
 
     def of_switches(self, arm: Arm, which: NDArray[np.intp], margin: float) -> Mask:
