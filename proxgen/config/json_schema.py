@@ -19,7 +19,13 @@ def robot_schema() -> Schema:
 
 def scene_schema() -> Schema:
     """JSON schema of a scene's file."""
-    return _file_schema(Scene, "proxgen scene")
+    schema = _file_schema(Scene, "proxgen scene")
+    for case in ("File", "FileOverride"):
+        properties = schema["$defs"][case]["properties"]
+        listed = properties["targets"]
+        trajectory = {"type": "string", "pattern": r"\.csv$"}
+        properties["targets"] = {"anyOf": [listed, trajectory], "description": listed["description"]}
+    return schema
 
 
 def _file_schema(model: type[BaseModel], title: str) -> Schema:

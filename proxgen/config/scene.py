@@ -12,6 +12,7 @@ from proxgen.config.origin import Origin
 from proxgen.config.paths import is_file
 from proxgen.config.quantities import Angle, JointPosition, Length, Speed, Time
 from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
+from proxgen.config.trajectory import read_trajectory
 from proxgen.errors import ConfigError, Problem, nearest_name, unknown_name
 
 Size = Annotated[float, Length(gt=0.0, le=100.0)]
@@ -85,6 +86,11 @@ class Target(Section):
     orientation: Rpy | None = Field(
         None, description="roll, pitch, yaw of the tool about the world's x, y, z (pose and pointing tasks)"
     )
+    time: Annotated[float, Time(ge=0.0, le=1e6)] | None = Field(
+        None,
+        description="when it is to be there; with times for all, targets are a trajectory. "
+        "It may be in a file: `targets: FILE.csv`, with the columns time,x,y,z[,roll,pitch,yaw]",
+    )
 
 
 class Scene(Section):
@@ -96,7 +102,8 @@ class Scene(Section):
         (), description="what the arm must not touch"
     )
     targets: tuple[Target, ...] = Field(
-        min_length=1, description="the next one follows when one is reached, and after the last the first"
+        min_length=1,
+        description="the next one follows when one is reached, and after the last the first",
     )
     start: (
         Annotated[
@@ -110,6 +117,20 @@ class Scene(Section):
     )
 
     _origin: Origin = PrivateAttr(default_factory=lambda: Origin(Path()))
+
+    def contradictions(self) -> Iterator[Finding]:
+        """Times that only some targets have, or that do not increase."""
+        times = [target.time for target in self.targets]
+        if any(time is not None for time in times):
+            for index, time in enumerate(times):
+                before = times[index - 1] if index else None
+                if time is None:
+                    yield Finding((f"targets.{index}", "targets"), "all targets have a 'time', or none has")
+                elif before is not None and time <= before:
+                    message = (
+                        f"time = {time:.6g} s must be later than that of the target before, {before:.6g} s"
+                    )
+                    yield Finding((f"targets.{index}.time", "targets"), message)
 
     @property
     def source(self) -> Path:
@@ -177,8 +198,13 @@ def load_scene(name: str | Path, beside: Path | None = None) -> Scene:
     problems = list(document.problems)
     if document.root is None:
         raise ConfigError(problems)
-    origin = Origin(path, document.root.marks())
-    scene, found = validate(document.root.plain(), Scene, origin)
+    origin, data = Origin(path, document.root.marks()), document.root.plain()
+    if isinstance(data.get("targets"), str):
+        data["targets"], found = read_trajectory(origin.mark("targets").file.parent / data["targets"])
+        problems += found
+        if found:
+            raise ConfigError(problems)
+    scene, found = validate(data, Scene, origin)
     problems += found
     if scene is None or problems:
         raise ConfigError(problems)

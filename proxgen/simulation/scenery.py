@@ -111,7 +111,7 @@ def _motion(motion: schema.Motion) -> Motion:
 
 def _target(target: schema.Target) -> Target:
     rotation = None if target.orientation is None else rotation_of(target.orientation)
-    return Target(np.array(target.position, dtype=float), rotation)
+    return Target(np.array(target.position, dtype=float), rotation, target.time)
 
 
 def rotation_of(rpy: tuple[float, float, float]) -> Array:

@@ -23,10 +23,12 @@ class Target:
     Attributes:
         position: (3,), world [m].
         rotation: (3, 3) from the tool frame to the world; None: as the tool is at the start.
+        time: when to be there [s], if the targets are a trajectory; else None.
     """
 
     position: Array
     rotation: Array | None = None
+    time: float | None = None
 
 
 @dataclass(frozen=True)
@@ -79,10 +81,10 @@ class TargetTracker:
         """The present target."""
         return self._targets[self.index]
 
-    def update(self, tool: Array) -> TaskVelocity:
+    def update(self, tool: Array, time: float = 0.0) -> TaskVelocity:
         """Task velocity at a tool pose (4x4), after taking the next target if the present one is reached.
 
-        A single target is counted once and then held.
+        A single target is counted once and then held. The time [s] does not matter.
         """
         velocity = self._velocity(tool)
         if not self._holding and self._is_reached(velocity):

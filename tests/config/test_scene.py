@@ -139,7 +139,7 @@ def test_an_unknown_scene_names_the_nearest() -> None:
             "room.yaml:12: targets.1.position: the key 'position' is missing "
             "(of the task point, world frame)\n"
             "room.yaml:12: targets.1.postion: unknown key 'postion'; did you mean 'position'? "
-            "(allowed: orientation, position)",
+            "(allowed: orientation, position, time)",
         ),
         (
             "name: room\n",
