@@ -41,6 +41,14 @@ demo: setup  ## the paper's gap: generate, compile, run, compare with the refere
 embed: setup  ## recorded runs on emulated aarch64 and Cortex-M7: the same commands? instructions, sizes
 	@$(BIN)/python examples/embed/elsewhere/run.py
 
+soak: setup  ## a million random cycles with each back end: compared, heap use counted, then with sanitizers
+	@$(BIN)/python runtime/tests/soak.py
+
+sanitize: setup  ## the runtime with clang: warnings, analyser, sanitizers; half a minute of fuzzing
+	@$(BIN)/python runtime/fuzz/fuzz.py --check
+	@CC=clang CXX=clang++ $(BIN)/python -m pytest -q -n 2 tests/runtime -k "clean or sanitizers or threads"
+	@$(BIN)/python runtime/fuzz/fuzz.py 30
+
 bench: setup  ## cycle times of both back ends on this machine, in out/bench.json and out/bench.png
 	@mkdir -p out
 	@$(BIN)/proxgen bench --json out/bench.json --plot out/bench.png
