@@ -46,7 +46,7 @@ typedef struct {
 
 typedef struct pg_solver pg_solver_t;
 
-extern const char *const pg_solver_name;
+extern const char pg_solver_name[];
 
 /* Sets up a solver in `memory`, PG_SOLVER_MEMORY bytes, aligned to 16. */
 pg_status_t pg_solver_create(void *memory, pg_solver_t **solver);

@@ -62,7 +62,7 @@ struct pg_solver {
   int working_set[ACTIVE + 1];
 };
 
-const char *const pg_solver_name = "daqp";
+const char pg_solver_name[] = "daqp";
 
 /* First element of row i of the packed R^-1 would be at column 0; columns before i are not stored. */
 static double *packed_row(double *packed, int i) {

@@ -111,7 +111,7 @@ void pg_solver::forget() {
 
 extern "C" {
 
-const char *const pg_solver_name = "qpoases";
+const char pg_solver_name[] = "qpoases";
 
 pg_status_t pg_solver_create(void *memory, pg_solver_t **solver) {
   (void)memory; // qpOASES objects live on the heap

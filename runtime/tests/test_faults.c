@@ -180,8 +180,8 @@ static void obstacles_on_both_sides(void) {
     rig_see(&rig, (0.25 + 0.25 * i) * c - side[i] * s, (0.25 + 0.25 * i) * s + side[i] * c);
   rig.xdot[0] = 0.2;
   for (int i = 0; i < 10; i++)
-    CHECK_EQUAL(rig_step(&rig), PG_REDUCED_REPULSION);
-  CHECK_NEAR(rig.qdot[0], 0.0, 1e-8);
+    CHECK_EQUAL(rig_step(&rig), PG_RELAXATION_SLACK ? PG_SOLVED : PG_REDUCED_REPULSION);
+  if (!PG_RELAXATION_SLACK) CHECK_NEAR(rig.qdot[0], 0.0, 1e-8);
   rig_close(&rig);
 }
 

@@ -1,0 +1,132 @@
+"""Compiles the runtime around the hand-written planar arm, in variants, and runs its C tests.
+
+Objects of the runtime are compiled once per variant and linked with each test program.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from proxgen.builder.solvers import find_solver
+from proxgen.builder.toolchain import find_toolchain, run, run_all
+
+ROOT = Path(__file__).resolve().parents[2]
+RUNTIME = ROOT / "runtime"
+TESTS = RUNTIME / "tests"
+
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+SANITIZE = ("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A way to compile the runtime.
+
+    Attributes:
+        backend: `daqp` or `qpoases`.
+        options: of compiler and linker: sanitizers, and macros that choose what generated code would.
+        robot: prefix of all names; another than `planar` makes a copy of it.
+    """
+
+    backend: str
+    options: tuple[str, ...] = ()
+    robot: str = "planar"
+
+    @property
+    def name(self) -> str:
+        """For folders and test ids."""
+        words = [option.lstrip("-").replace("=", "_").replace(",", "_") for option in self.options]
+        return "-".join([self.robot, self.backend, *words])
+
+
+class Kit:
+    """Compiles variants into a folder, each once."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._objects: dict[Variant, list[Path]] = {}
+
+    def robot(self, robot: str) -> Path:
+        """Folder with the arm's code under this name: hand-written files, and rendered public headers."""
+        folder = self.folder / robot
+        if not folder.exists():
+            folder.mkdir(parents=True)
+            for source in (TESTS / "mock_planar").iterdir():
+                text = source.read_text().replace("planar", robot).replace("PLANAR", robot.upper())
+                (folder / source.name).write_text(text)
+            for name in ("controller.h", "controller.hpp"):
+                (folder / name).write_text(render_header(name, robot))
+        return folder
+
+    def includes(self, variant: Variant) -> list[str]:
+        """Options that name the folders of headers."""
+        own = [self.robot(variant.robot), RUNTIME / "include", RUNTIME / "src", self.folder]
+        return [*(f"-I{path}" for path in own), "-isystem", str(find_solver(variant.backend).include)]
+
+    def compile(self, sources: Sequence[Path], variant: Variant, options: Sequence[str]) -> list[Path]:
+        """Objects of some sources, with the flags of the product and these."""
+        toolchain = find_toolchain(cxx=True)
+        folder = self.folder / f"{variant.name}-objects"
+        folder.mkdir(exist_ok=True)
+        objects = [folder / f"{source.stem}.o" for source in sources]
+        flags = [*variant.options, *options, *self.includes(variant)]
+        run_all(
+            (
+                [*toolchain.compile_command(source), *flags, "-c", str(source), "-o", str(made)],
+                f"{source.name}",
+            )
+            for source, made in zip(sources, objects, strict=True)
+        )
+        return objects
+
+    def objects(self, variant: Variant) -> list[Path]:
+        """The runtime, the arm and the solver."""
+        if variant not in self._objects:
+            solver = find_solver(variant.backend)
+            units = [path for path in (RUNTIME / "src").glob("*.c") if not path.name.startswith("solver_")]
+            units += (RUNTIME / "src").glob(f"solver_{variant.backend}.*")
+            own = self.compile([*sorted(units), self.robot(variant.robot) / "model.c"], variant, WARNINGS)
+            self._objects[variant] = own + self.compile(solver.units, variant, ())
+        return self._objects[variant]
+
+    def program(self, source: Path, variant: Variant, *options: str, others: Sequence[Variant] = ()) -> Path:
+        """A test program, linked with a variant, and with other robots."""
+        objects = [*self.compile([source], variant, WARNINGS), *self.objects(variant)]
+        libraries: dict[str, None] = {}  # in order, each once
+        for each in (variant, *others):
+            solver = find_solver(each.backend)
+            if (
+                each is not variant
+            ):  # objects of a solver that is there already are left out, as from an archive
+                shared = {f"{unit.stem}.o" for unit in solver.units if each.backend == variant.backend}
+                objects += [made for made in self.objects(each) if made.name not in shared]
+            if solver.library:
+                libraries |= {str(solver.library): None, f"-Wl,-rpath,{solver.library.parent}": None}
+        target = self.folder / f"{source.stem}-{variant.name}"
+        command = [*find_toolchain(cxx=True).linker, *variant.options, *options, *map(str, objects)]
+        run([*command, *libraries, "-lm", "-o", str(target)], f"cannot link {target.name}")
+        return target
+
+    def test(self, name: str, variant: Variant, *options: str) -> str:
+        """Compile and run `runtime/tests/<name>`; what it printed.
+
+        Raises:
+            BuildError: a check in it failed; with all that it printed.
+        """
+        return run([str(self.program(TESTS / name, variant, *options))], f"{name} with {variant.name} failed")
+
+
+def render_header(name: str, robot: str) -> str:
+    """A public header for the hand-written arm, from the template of the generated ones."""
+    loader = PackageLoader("proxgen.emit")
+    environment = Environment(loader=loader, undefined=StrictUndefined, keep_trailing_newline=True)
+    values = {
+        "robot": robot,
+        "X": robot.upper(),
+        "version": "0",
+        "config_hash": "0" * 64,
+        "banner": "/* test */",
+    }
+    return environment.get_template(f"{name}.j2").render(values)
