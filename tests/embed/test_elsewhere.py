@@ -1,21 +1,17 @@
 """`examples/embed/elsewhere`: the replay on this machine, and what is said where other tools lack."""
 
-import importlib.util
-import os
-import subprocess
-import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
+from scripts import ROOT, load_script, run_with_tools
 
 from proxgen.bench.inputs import Inputs
 from proxgen.builder import BuildResult
 from proxgen.controllers.compiled import CompiledController
 from proxgen.controllers.protocol import Measurement
 
-ROOT = Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "examples" / "embed" / "elsewhere" / "run.py"
 PACKAGES = [
     "gcc-aarch64-linux-gnu",
@@ -31,12 +27,7 @@ PACKAGES = [
 @pytest.fixture(scope="module")
 def elsewhere() -> ModuleType:
     """The script, as a module."""
-    spec = importlib.util.spec_from_file_location("elsewhere", SCRIPT)
-    assert spec is not None
-    assert spec.loader is not None
-    module = sys.modules["elsewhere"] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_script(SCRIPT)
 
 
 def some_inputs(seed: int = 3) -> Inputs:
@@ -85,21 +76,21 @@ def test_differences_and_costs_are_found(elsewhere: ModuleType) -> None:
 
 
 def test_what_is_missing_is_named_by_its_package(tmp_path: Path) -> None:
-    environment = {**os.environ, "PATH": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT)], env=environment, capture_output=True, text=True, check=False
-    )
+    done = run_with_tools(SCRIPT, tmp_path)
     assert done.returncode == 1
     assert done.stderr.splitlines()[-1].split() == ["apt-get", "install", *PACKAGES]
+    assert "Traceback" not in done.stderr
+
+
+def test_continuous_integration_installs_it() -> None:
+    installed = (ROOT / ".ci" / "packages").read_text().split()
+    assert set(PACKAGES) - {"make"} <= set(installed)
 
 
 def test_a_compiler_without_its_library_is_not_enough(tmp_path: Path) -> None:
     for name in ("arm-none-eabi-gcc", "qemu-system-arm", "qemu-aarch64", "make"):
         (tmp_path / name).write_text("#!/bin/sh\necho libm.a\n")
         (tmp_path / name).chmod(0o755)
-    environment = {**os.environ, "PATH": f"{tmp_path}"}
-    done = subprocess.run(
-        [sys.executable, str(SCRIPT)], env=environment, capture_output=True, text=True, check=False
-    )
+    done = run_with_tools(SCRIPT, tmp_path)
     expected = ["gcc-aarch64-linux-gnu", "libc6-dev-arm64-cross", "libnewlib-arm-none-eabi"]
     assert done.stderr.splitlines()[-1].split()[2:] == expected
