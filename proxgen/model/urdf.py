@@ -13,6 +13,7 @@ from proxgen.config.schema import Config
 from proxgen.errors import ModelError, Problem, nearest_name, unknown_name
 from proxgen.model.frames import snapped
 from proxgen.model.robot_model import Array, Drive
+from proxgen.model.urdf_text import finite_number, pinocchio_model
 
 LINK = "/link"
 """Ending of a link's frame in the Pinocchio model, where a joint has the same name."""
@@ -51,12 +52,6 @@ class Urdf:
     limits: dict[str, UrdfLimits]
 
 
-def _number(element: ElementTree.Element | None, name: str) -> float | None:
-    """A numeric attribute, or None where element or attribute is missing."""
-    text = element.get(name) if element is not None else None
-    return float(text) if text is not None else None
-
-
 def parse_urdf(config: Config) -> Urdf | Problem:
     """Read the configured URDF.
 
@@ -77,24 +72,24 @@ def read_urdf(path: Path) -> Urdf:
     """
     try:
         root = ElementTree.parse(path).getroot()
-        full = pin.buildModelFromUrdf(str(path))
+        full = pinocchio_model(root)
         _tell_links_from_joints(full)
         mimics, limits = {}, {}
         for joint in root.findall("joint"):
             name = joint.get("name", "")
             limit = joint.find("limit")
             limits[name] = UrdfLimits(
-                _number(limit, "lower"), _number(limit, "upper"), _number(limit, "velocity")
+                finite_number(limit, "lower"), finite_number(limit, "upper"), finite_number(limit, "velocity")
             )
             mimic = joint.find("mimic")
             if mimic is not None:
-                multiplier, offset = _number(mimic, "multiplier"), _number(mimic, "offset")
+                multiplier, offset = finite_number(mimic, "multiplier"), finite_number(mimic, "offset")
                 mimics[name] = Mimic(
                     mimic.get("joint", ""), 1.0 if multiplier is None else multiplier, offset or 0.0
                 )
     except ElementTree.ParseError as error:
         raise ModelError(f"{path} is not well-formed XML: {error}") from error
-    except (OSError, ValueError, RuntimeError) as error:
+    except (OSError, ValueError, ModelError) as error:
         raise ModelError(f"{path} cannot be read as a URDF: {error}") from error
     return Urdf(full, mimics, limits)
 

@@ -1,5 +1,6 @@
 """URDF and configuration to RobotModel."""
 
+import re
 from itertools import product
 from pathlib import Path
 
@@ -172,11 +173,39 @@ def test_missing_velocity_limit_is_asked_for(tmp_path: Path) -> None:
         build_model(load(path))
 
 
+def test_infinite_limits_are_no_limits(tmp_path: Path) -> None:
+    path = write_arm(RECIPES[0], tmp_path)
+    urdf = tmp_path / f"{RECIPES[0].name}.urdf"
+    urdf.write_text(urdf.read_text().replace('lower="-2.2" upper="2.4"', 'lower="-inf" upper="inf"', 1))
+    with pytest.raises(ConfigError, match=r"joint 'joint_0' no position limits; set limits\.position"):
+        build_model(load(path))
+
+
 def test_broken_urdf_is_a_config_error(tmp_path: Path) -> None:
     path = write_arm(RECIPES[0], tmp_path)
     (tmp_path / f"{RECIPES[0].name}.urdf").write_text("<robot><link></robot>")
     with pytest.raises(ConfigError, match="not well-formed XML"):
         build_model(load(path))
+
+
+def test_a_urdf_that_makes_no_sense_says_why(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path = write_arm(RECIPES[0], tmp_path)
+    urdf = tmp_path / f"{RECIPES[0].name}.urdf"
+    urdf.write_text(urdf.read_text().replace('<child link="link_1"/>', ""))
+    with pytest.raises(ConfigError, match=r"Joint \[joint_0\] is missing a parent and/or child link"):
+        build_model(load(path))
+    assert capfd.readouterr().err == ""
+
+
+def test_limits_may_be_missing_altogether_if_the_file_has_them(tmp_path: Path) -> None:
+    path = write_arm(RECIPES[0], tmp_path)
+    urdf = tmp_path / f"{RECIPES[0].name}.urdf"
+    urdf.write_text(re.sub(r"<limit [^>]*/>", "", urdf.read_text()))
+    limits = "{position: {joint_0: [-1, 1], joint_1: [-2, 2]}, velocity: {joint_0: 1.5, joint_1: 2}}"
+    path.write_text(f"{path.read_text()}limits: {limits}\n")
+    model = build_model(load(path))
+    np.testing.assert_array_equal(model.q_upper, [1.0, 2.0])
+    np.testing.assert_array_equal(model.qdot_limit, [1.5, 2.0])
 
 
 def test_floating_joint_in_the_chain_is_refused(tmp_path: Path) -> None:
