@@ -1,8 +1,8 @@
 """Fuzzes the step function for a while: `python runtime/fuzz/fuzz.py SECONDS` (part of `make sanitize`).
 
-libFuzzer starts from the committed corpus and follows what new code its inputs reach, in the planar arm's
-controller, with AddressSanitizer and UndefinedBehaviorSanitizer. Inputs that break a promise are kept in
-build/fuzz, and end this program with 1. With `--check`, it only says what is missing.
+libFuzzer starts from the committed corpus and follows what new code its inputs reach, in controllers with
+hard and with soft rows, with AddressSanitizer and UndefinedBehaviorSanitizer. Inputs that break a promise are
+kept in build/fuzz, and end this program with 1. With `--check`, it only says what is missing.
 """
 
 import os
@@ -12,6 +12,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import proxgen
 from proxgen.builder.program import compile_program
 from proxgen.builder.toolchain import run
 from proxgen.errors import ProxgenError
@@ -19,7 +20,12 @@ from proxgen.errors import ProxgenError
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 OUT = ROOT / "build" / "fuzz"
-SHARES = {"daqp": 2 / 3, "qpoases": 1 / 3}  # of the time; the inside of qpOASES is not seen
+TARGETS = [  # robot, back end, share of the time; the inside of qpOASES is not seen
+    ("planar2/planar2.yaml", "daqp", 0.5),
+    ("planar2/planar2.yaml", "qpoases", 0.2),
+    ("iiwa7/improved.yaml", "daqp", 0.2),
+    ("iiwa7/improved.yaml", "qpoases", 0.1),
+]
 OPTIONS = ["-g", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all"]
 LIMITS = ["-max_len=1000", "-timeout=10", "-rss_limit_mb=2000", "-print_final_stats=1"]
 
@@ -35,14 +41,14 @@ def missing_package() -> str | None:
     return f"libclang-rt-{version}-dev"
 
 
-def fuzz(backend: str, seconds: int) -> bool:
-    """Compile and run the fuzzer for one back end; False if it found something."""
-    program = compile_program(
-        HERE / "fuzz_step.c", ROOT / "generated" / "planar2", backend, OUT / backend, OPTIONS
-    )
-    found = OUT / f"{backend}-corpus"
+def fuzz(robot: str, backend: str, seconds: int) -> bool:
+    """Compile and run the fuzzer for one robot and back end; False if it found something."""
+    name = f"{Path(robot).stem}-{backend}"
+    generated = proxgen.generate(proxgen.load(ROOT / "examples" / robot), OUT / f"{name}-generated")
+    program = compile_program(HERE / "fuzz_step.c", generated, backend, OUT / name, OPTIONS)
+    found = OUT / f"{name}-corpus"
     found.mkdir(exist_ok=True)
-    limits = [*LIMITS, f"-max_total_time={seconds}", f"-artifact_prefix={OUT}/{backend}-"]
+    limits = [*LIMITS, f"-max_total_time={seconds}", f"-artifact_prefix={OUT}/{name}-"]
     done = subprocess.run(
         [str(program), *limits, str(found), str(HERE / "corpus")],
         stdout=subprocess.PIPE,
@@ -56,12 +62,12 @@ def fuzz(backend: str, seconds: int) -> bool:
         return False
     (runs,) = re.findall(r"^Done (\d+) runs", done.stdout, re.M)
     places = re.findall(r" cov: (\d+) ", done.stdout)[-1]
-    print(f"{backend}: {int(runs):,} inputs in {seconds} s reach {places} places; no promise was broken")
+    print(f"{name}: {int(runs):,} inputs in {seconds} s reach {places} places; no promise was broken")
     return True
 
 
 def main(seconds: int | None) -> int:
-    """Fuzz with both back ends, if there is a time for it; 1 if something was found or a tool is missing."""
+    """Fuzz all targets, if there is a time for it; 1 if something was found or a tool is missing."""
     package = missing_package()
     if package:
         print(f"fuzzing needs clang and its libFuzzer: apt-get install {package}", file=sys.stderr)
@@ -70,7 +76,7 @@ def main(seconds: int | None) -> int:
         return 0
     os.environ |= {"CC": "clang", "CXX": "clang++"}
     OUT.mkdir(parents=True, exist_ok=True)
-    kept = [fuzz(name, max(1, round(share * seconds))) for name, share in SHARES.items()]
+    kept = [fuzz(robot, backend, max(1, round(share * seconds))) for robot, backend, share in TARGETS]
     return 0 if all(kept) else 1
 
 
