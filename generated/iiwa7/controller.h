@@ -124,8 +124,9 @@ typedef struct iiwa7_controller iiwa7_controller_t;
 /* Of that, the part of the QP solver, whichever it is. */
 /* clang-format off */
 #define IIWA7_SOLVER_MEMORY                                                                                  \
-  (1280 + 8 * (IIWA7_JOINTS * (2 * IIWA7_JOINTS + 2 * IIWA7_ROWS + 12) + 20 * IIWA7_ROWS +                   \
-               (IIWA7_JOINTS + IIWA7_ROWS + 2) * (IIWA7_JOINTS + IIWA7_ROWS + 2) / 2))
+  (768 + 8 * (IIWA7_JOINTS * (IIWA7_JOINTS + 1) / 2 + IIWA7_JOINTS * IIWA7_ROWS + 15 * IIWA7_JOINTS +        \
+              12 * IIWA7_ROWS + 6 +                                                                          \
+              (IIWA7_JOINTS + IIWA7_ROWS + 1) * (IIWA7_JOINTS + IIWA7_ROWS + 2) / 2))
 /* clang-format on */
 
 /* What iiwa7_create and iiwa7_create_in below call, with the interface that the caller was compiled for. */
@@ -164,9 +165,7 @@ pg_status_t iiwa7_reset(iiwa7_controller_t *controller);
  * In each of these the cycle is complete, and qdot is what to command: a stop brakes within the acceleration
  * bounds. A negative status is a wrong call (PG_ERROR_NULL, PG_ERROR_SIZE): qdot, where it can be written,
  * brakes too.
- * qdot may be the same array as q. Work is bounded: at most 5 stages, 2 solves each, max_iterations per
- * solve.
- */
+ * qdot may be the same array as q. Work is bounded: at most 5 stages, 2 attempts each (runtime/README.md). */
 pg_status_t iiwa7_step(iiwa7_controller_t *controller, const double q[IIWA7_JOINTS],
                        const double xdot[IIWA7_TASK_ROWS], const iiwa7_measurement_t *seen,
                        double qdot[IIWA7_JOINTS]);

@@ -124,8 +124,9 @@ typedef struct planar2_controller planar2_controller_t;
 /* Of that, the part of the QP solver, whichever it is. */
 /* clang-format off */
 #define PLANAR2_SOLVER_MEMORY                                                                                \
-  (1280 + 8 * (PLANAR2_JOINTS * (2 * PLANAR2_JOINTS + 2 * PLANAR2_ROWS + 12) + 20 * PLANAR2_ROWS +           \
-               (PLANAR2_JOINTS + PLANAR2_ROWS + 2) * (PLANAR2_JOINTS + PLANAR2_ROWS + 2) / 2))
+  (768 + 8 * (PLANAR2_JOINTS * (PLANAR2_JOINTS + 1) / 2 + PLANAR2_JOINTS * PLANAR2_ROWS + 15 * PLANAR2_JOINTS +\
+              12 * PLANAR2_ROWS + 6 +                                                                        \
+              (PLANAR2_JOINTS + PLANAR2_ROWS + 1) * (PLANAR2_JOINTS + PLANAR2_ROWS + 2) / 2))
 /* clang-format on */
 
 /* What planar2_create and planar2_create_in below call, with the interface that the caller was compiled for.
@@ -166,9 +167,7 @@ pg_status_t planar2_reset(planar2_controller_t *controller);
  * In each of these the cycle is complete, and qdot is what to command: a stop brakes within the acceleration
  * bounds. A negative status is a wrong call (PG_ERROR_NULL, PG_ERROR_SIZE): qdot, where it can be written,
  * brakes too.
- * qdot may be the same array as q. Work is bounded: at most 5 stages, 2 solves each, max_iterations per
- * solve.
- */
+ * qdot may be the same array as q. Work is bounded: at most 5 stages, 2 attempts each (runtime/README.md). */
 pg_status_t planar2_step(planar2_controller_t *controller, const double q[PLANAR2_JOINTS],
                          const double xdot[PLANAR2_TASK_ROWS], const planar2_measurement_t *seen,
                          double qdot[PLANAR2_JOINTS]);

@@ -1,11 +1,12 @@
 /* Random cycles of any robot: what must always hold is checked in each.
  *
- *     random_cycles CYCLES SEED [--plain] [--record FILE] [--follow FILE]
+ *     random_cycles CYCLES SEED [--plain | --extreme] [--record FILE] [--follow FILE]
  *
- * States within and beyond the limits, obstacles from touching to far, parameters over their whole ranges
- * (--plain: the default ones), 1 % corrupted inputs. --record writes status and q_dot of every cycle;
- * --follow starts each cycle from the velocity that another run recorded, so that two solvers can be compared
- * cycle by cycle. */
+ * States within and beyond the limits, obstacles from touching to far, 1 % corrupted inputs; parameters
+ * within a factor of ten of the default ones (--plain: those themselves; --extreme: also any that is
+ * accepted).
+ * --record writes status and q_dot of every cycle; --follow starts each cycle from the velocity that another
+ * run recorded, so that two solvers can be compared cycle by cycle. */
 #include "../bench/count_heap.h"
 #include "check.h"
 #include "geometry.h"
@@ -143,7 +144,7 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
     CHECK(fabs(qdot[j]) <= controller->parameters.qdot_limit[j]);
   }
   if (status < PG_STOPPED_INFEASIBLE) CHECK(cycle->kkt_residual <= PG_TOLERANCE && cycle->solves > 0);
-  CHECK(cycle->solves <= 10 && cycle->iterations <= 10 * PG_MAX_ITERATIONS);
+  CHECK(cycle->solves <= 10 && cycle->iterations <= 5 * (1 + 4) * PG_MAX_ITERATIONS);
   for (int slot = 0; slot < PG_ROWS; slot++) {
     double squared = 0.0;
     for (int j = 0; j < PG_N; j++)
@@ -155,9 +156,8 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
 static void print_summary(const pg_controller_t *controller, double worst, unsigned long long heap) {
   const pg_counters_t *counters = &controller->counters;
   unsigned long long sum = 0;
-  printf("%s: %llu cycles, greatest residual %.1e, %llu solves, %llu second chances, %llu not certified, at "
-         "most %d "
-         "changes in a cycle\n",
+  printf("%s: %llu cycles, greatest residual %.1e, %llu solves, %llu second chances, %llu not certified, "
+         "at most %d changes in a cycle\n",
          pg_solver_name, counters->cycles, worst, counters->solves, counters->second_chances,
          counters->certificate_failures, counters->max_iterations_in_cycle);
   for (int s = 0; s < 32; s++) {

@@ -169,3 +169,24 @@ def test_fast_math_is_refused(kit: Kit) -> None:
     command = [*toolchain.compile_command(source), "-ffast-math", *kit.includes(Variant("daqp"))]
     with pytest.raises(BuildError, match="removes the checks for NaN"):
         run([*command, "-c", str(source), "-o", "/dev/null"], "refused")
+
+
+def test_the_program_in_the_readme_runs(kit: Kit, tmp_path: Path) -> None:
+    (code,) = re.findall(r"^```c\n(.*?)^```", (RUNTIME / "README.md").read_text(), re.M | re.S)
+    source = tmp_path / "readme.c"
+    source.write_text(code.replace("arm_", "planar_").replace("ARM_", "PLANAR_"))
+    assert run([str(kit.program(source, Variant("daqp")))], "the program in the README fails") == ""
+
+
+def test_the_readme_names_tests_that_exist() -> None:
+    readme = (RUNTIME / "README.md").read_text()
+    section = readme[readme.index("## Faults") :]
+    texts = {path.name: path.read_text() for path in [*TESTS.iterdir(), Path(__file__)] if path.is_file()}
+    python = Path(__file__).read_text()
+    rows = [line for line in section.splitlines() if line.startswith("| ") and "`" in line.split("|")[-2]]
+    assert len(rows) > 20
+    for row in rows:
+        names = re.findall(r"`([a-z]\w*(?:\.c)?|parameters_out_of_\*)`", row.split("|")[-2])
+        for name in names:
+            known = name in texts or any(f"{name.rstrip('*')}" in text for text in (*texts.values(), python))
+            assert known, f"{name} is nowhere"

@@ -18,7 +18,7 @@ extern "C" {
 #define PG_OFF 1e20
 
 /* How a cycle ended. 0..7: q_dot solves a certified QP; 8..15: stopped; 16..31: input refused, braking to a
- * stop; negative: the call itself was wrong and nothing was done. */
+ * stop; negative: the call itself was wrong (a step then brakes, too, as far as it can). */
 typedef enum {
   PG_SOLVED = 0,                 /* all rows hold */
   PG_REDUCED_ACTIVE = 1,         /* without the active row (7) */
