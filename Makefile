@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo bench embed test lint golden golden-check images constraints clean
+.PHONY: help setup demo embed soak sanitize bench test lint golden golden-check images constraints clean
 
 VENV := .venv
 BIN := $(VENV)/bin
