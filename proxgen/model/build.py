@@ -10,6 +10,7 @@ from proxgen.model.buried import buried_cuffs
 from proxgen.model.frames import axis_basis
 from proxgen.model.robot_model import Array, CapsuleModel, RobotModel, SelfPointModel
 from proxgen.model.skin import sensor_modules
+from proxgen.model.touching import touching_pairs
 from proxgen.model.urdf import Urdf, drives, frame_named, parse_urdf, reduce_to_chain, unknown_frame
 
 UNLIMITED = 1e20
@@ -61,7 +62,7 @@ def build_model(config: Config) -> RobotModel:
         modules=sensor_modules(config.skin, reduced),
         self_points=_self_points(config, reduced),
     )
-    problems = buried_cuffs(config, model)
+    problems = buried_cuffs(config, model) + touching_pairs(config, model)
     if problems:
         raise ConfigError(problems)
     return model

@@ -14,6 +14,7 @@ from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.relaxation import slack_weights
 from proxgen.controllers.reference.row_order import RowOrder
 from proxgen.controllers.reference.self_collision import SelfPoints, own_rows
+from proxgen.errors import ConfigError
 from proxgen.model import RobotModel
 
 POINTS = """
@@ -134,7 +135,8 @@ def test_soft_rows_weigh_by_their_own_distances(controller: ReferenceController)
 
 
 def test_a_point_on_an_axis_is_a_fault(tmp_path: Path) -> None:
-    text = "avoidance: {self_collision: {points: [{name: inside, frame: link_4}]}}\n"
+    """Stretched out, the upper arm's axis goes through a point that the hand carries far behind it."""
+    text = "avoidance: {self_collision: {points: [{name: inside, frame: tcp, position: [0, 0, -0.906]}]}}\n"
     controller = ReferenceController(*variant(tmp_path, text))
     command = step_at(controller, np.zeros(7))
     assert command.status is Status.FAULT_OBSTACLE_INSIDE
@@ -167,3 +169,23 @@ def test_the_arm_does_not_fold_into_itself(tmp_path: Path) -> None:
     assert fold(ReferenceController(*variant(tmp_path, "")), 250) < 0.0
     with_rows = fold(ReferenceController(*variant(tmp_path, points)), 250)
     assert 0.05 < with_rows < 0.10
+
+
+def test_pairs_that_always_touch_are_refused(tmp_path: Path) -> None:
+    """The wrist is a point of the hand's axis and an end of the forearm's: both have to be excluded."""
+    text = "avoidance: {self_collision: {points: [{name: wrist, frame: link_6, radius: 70 mm}]}}\n"
+    with pytest.raises(ConfigError) as caught:
+        variant(tmp_path, text)
+    assert [problem.key for problem in caught.value.problems] == ["avoidance.self_collision.points.0"] * 2
+    assert "add {capsule: forearm, point: wrist} to exclude" in str(caught.value)
+    assert "add {capsule: hand, point: wrist} to exclude" in str(caught.value)
+
+
+def test_exclusions_of_what_does_not_exist_are_refused(tmp_path: Path) -> None:
+    text = (
+        "avoidance: {self_collision: {points: [{name: tool, frame: tcp}], "
+        "exclude: [{capsule: fore_arm, point: tool}, {capsule: hand, point: tol}]}}\n"
+    )
+    with pytest.raises(ConfigError) as caught:
+        variant(tmp_path, text)
+    assert "unknown self-collision point 'tol'; did you mean 'tool'?" in str(caught.value)
