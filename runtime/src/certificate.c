@@ -1,5 +1,5 @@
-/* Step 7: what a solver says is believed only after a look at the QP itself. Costs about a tenth of a solve.
- */
+/* Step 7: what a solver says is believed only after a look at the QP itself. Costs about a tenth
+ * of a solve. */
 #include "state.h"
 
 #include <math.h>

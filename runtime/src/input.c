@@ -13,8 +13,7 @@ static uint64_t bits_of(double value) {
   return bits;
 }
 
-/* Top bit set unless all values are within 0 and `high`; also for -0.0, where the caller has to look closer.
- */
+/* Top bit set unless all values are within 0 and `high`; also for -0.0: then the caller looks closer. */
 static uint64_t suspicion(const double *values, int count, double high) {
   const uint64_t limit = bits_of(high);
   uint64_t any = 0;

@@ -3,8 +3,11 @@
  * A solver's answer carries its rounding errors, which a small damping lambda magnifies, and which the
  * acceleration bounds carry on into the next cycles. Its working set is what is worth having: with that, the
  * conditions of optimality are linear equations, and one solve of them for the corrections leaves rounding
- * errors only: [ H_ff   A_wf'  ] [dx_f]     [ (Hx + g + A'y)_f         ]    f: joints that are free [ A_wf
- * -soft_w ] [dy_w] = - [ (Ax - softness*y - ubA)_w ]    w: rows that hold */
+ * errors only. With f the joints that are free, and w the rows that hold:
+ *
+ *     [ H_ff   A_wf'   ] [ dx_f ]       [ (Hx + g + A'y)_f          ]
+ *     [ A_wf  -soft_w  ] [ dy_w ]  =  - [ (Ax - softness*y - ubA)_w ]
+ */
 #include "state.h"
 
 #include <math.h>
@@ -42,8 +45,8 @@ static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
     x[j] = x[j] < qp->lb[j] ? qp->lb[j] : x[j] > qp->ub[j] ? qp->ub[j] : x[j];
 }
 
-/* Decides as the certificate does which joint is free and which row holds; puts all others on their bounds.
- */
+/* Decides as the certificate does which joint is free and which row holds; puts the others on
+ * their bounds. */
 static void choose_unknowns(const pg_qp_t *qp, pg_solution_t *solution, equations_t *equations) {
   double *x = solution->x, *y = solution->y, gradient[PG_N];
   int holds[PG_ROWS];

@@ -2,9 +2,14 @@
  *
  * DAQP's core solves a least-distance problem; its own interface forms that problem afresh for every solve,
  * on the heap. Here it is formed once per cycle, with sizes known to the compiler, and all stages of the
- * ladder share it: H = R'R,  u = Rx + v,  v = R^-T g   =>   min ||u||^2  s.t.  M u <= ubA + M v  with  M = A
- * R^-1 Rows and bounds are scaled to unit length in u, which is what DAQP's tolerances are made for. */
+ * ladder share it:
+ *
+ *     H = R'R,   u = Rx + v,   v = R^-T g
+ *     min ||u||^2   subject to   M u <= ubA + M v,   M = A R^-1
+ *
+ * Rows and bounds are scaled to unit length in u, which is what DAQP's tolerances are made for. */
 #include "solver.h"
+#include "triangular.h"
 
 #include "daqp.h"
 
@@ -27,9 +32,6 @@ enum {
 /* Rows are dependent if one is left with this part of its squared length; they are nearly so when obstacles
  * touch. */
 #define SINGULAR 1e-14
-
-/* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-9. */
-#define LEAST_PIVOT 1e-15
 
 /* mu of the second attempt, and its steps; what they leave of an error, polishing takes away. */
 #define ROUNDING      1e-3
@@ -69,40 +71,6 @@ static double *packed_row(double *packed, int i) {
   return packed + (2 * N - i - 1) * i / 2;
 }
 
-/* H = R'R with R upper triangular, its diagonal as reciprocals; 0 if H is not safely positive definite. */
-static int factorise(const double *H, double R[N][N]) {
-  for (int i = 0; i < N; i++) {
-    double pivot = H[i * N + i];
-    for (int k = 0; k < i; k++)
-      pivot -= R[k][i] * R[k][i];
-    if (!(pivot > LEAST_PIVOT && pivot < PG_OFF)) return 0;
-    R[i][i] = 1.0 / sqrt(pivot);
-    for (int j = i + 1; j < N; j++) {
-      double sum = H[i * N + j];
-      for (int k = 0; k < i; k++)
-        sum -= R[k][i] * R[k][j];
-      R[i][j] = sum * R[i][i];
-    }
-  }
-  return 1;
-}
-
-/* v = R^-T g and x = -R^-1 v, the minimum of the objective. */
-static void minimise_freely(double R[N][N], const double *g, double v[N], double x[N]) {
-  for (int j = 0; j < N; j++) {
-    double sum = g[j];
-    for (int k = 0; k < j; k++)
-      sum -= R[k][j] * v[k];
-    v[j] = sum * R[j][j];
-  }
-  for (int i = N - 1; i >= 0; i--) {
-    double sum = -v[i];
-    for (int k = i + 1; k < N; k++)
-      sum -= R[i][k] * x[k];
-    x[i] = sum * R[i][i];
-  }
-}
-
 static int meets_constraints(const pg_qp_t *qp, const double x[N]) {
   for (int j = 0; j < N; j++)
     if (!(x[j] >= qp->lb[j] && x[j] <= qp->ub[j])) return 0;
@@ -113,28 +81,6 @@ static int meets_constraints(const pg_qp_t *qp, const double x[N]) {
     if (!(sum <= qp->ubA[i])) return 0;
   }
   return 1;
-}
-
-/* Replaces R by its inverse; from the last column on, because each needs those before it as they were. */
-static void invert(double R[N][N]) {
-  for (int j = N - 1; j > 0; j--)
-    for (int i = j - 1; i >= 0; i--) {
-      double sum = 0.0;
-      for (int k = i + 1; k <= j; k++)
-        sum -= R[i][k] * R[k][j];
-      R[i][j] = sum * R[i][i];
-    }
-}
-
-/* Scales `count` entries to unit length; returns the factor. */
-static double normalise(double *row, int count) {
-  double squared = 0.0;
-  for (int j = 0; j < count; j++)
-    squared += row[j] * row[j];
-  const double factor = 1.0 / sqrt(squared);
-  for (int j = 0; j < count; j++)
-    row[j] *= factor;
-  return factor;
 }
 
 /* The greater one; fmax would be a call into the C library. */
@@ -151,7 +97,7 @@ static void place_bounds(pg_solver_t *solver, const pg_qp_t *qp, double Rinv[N][
   for (int i = 0; i < N; i++) {
     double *row = packed_row(solver->Rinv, i), shift = 0.0;
     memcpy(row + i, &Rinv[i][i], (size_t)(N - i) * sizeof(double));
-    const double scaling = normalise(row + i, N - i);
+    const double scaling = pg_normalise(row + i, N - i);
     for (int j = i; j < N; j++)
       shift += row[j] * solver->v[j];
     solver->scaling[i] = scaling;
@@ -170,7 +116,7 @@ static void place_row(pg_solver_t *solver, const double *A, int i, double Rinv[N
       sum += A[i * N + k] * Rinv[k][j];
     row[j] = sum;
   }
-  solver->scaling[N + i] = normalise(row, N);
+  solver->scaling[N + i] = pg_normalise(row, N);
   for (int j = 0; j < N; j++)
     shift += row[j] * solver->v[j];
   solver->shift[N + i] = shift;
@@ -257,13 +203,13 @@ void pg_solver_reset(pg_solver_t *solver) {
 
 void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
   double R[N][N];
-  solver->usable = factorise(qp->H, R);
+  solver->usable = pg_factorise(qp->H, R);
   if (!solver->usable) return;
-  minimise_freely(R, qp->g, solver->v, solver->x_free);
+  pg_minimise(R, qp->g, solver->v, solver->x_free);
   solver->is_free = meets_constraints(qp, solver->x_free);
   if (solver->is_free) return;
 
-  invert(R);
+  pg_invert(R);
   place_bounds(solver, qp, R);
   for (int i = 0; i < ROWS; i++)
     if (qp->ubA[i] < PG_OFF) place_row(solver, qp->A, i, R);

@@ -49,8 +49,8 @@ struct PG_NAME(controller) {
 #endif
 #define PG_D_ACTIVE(parameters) ((parameters)->d_active + PG_SAME_DISTANCE)
 
-/* 1 if q is finite and no further outside its limits than the tolerance: bounds by position mean something.
- */
+/* 1 if q is finite and no further outside its limits than the tolerance: bounds by position mean
+ * something. */
 int pg_within_joint_limits(const pg_parameters_t *p, const double q[PG_N]);
 
 /* Step 0: PG_SOLVED if the input can be used, else the fault. Takes note of the time. */

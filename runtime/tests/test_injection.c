@@ -99,8 +99,8 @@ static void two_lies_cost_a_stage(void) {
   }
 }
 
-/* A solver that never answers, or never truly: a stop, within bounded work, and the truth is welcome again.
- */
+/* A solver that never answers, or never truly: a stop, within bounded work, and the truth is
+ * welcome again. */
 static void nothing_but_lies(void) {
   for (int lie = 0; lie < LIES; lie++) {
     rig_t rig;

@@ -81,8 +81,8 @@ static void nothing_left(void) {
   rig_close(&rig);
 }
 
-/* With the damper schedule there is one threshold: rows beyond it are distant, and all others are critical.
- */
+/* With the damper schedule there is one threshold: rows beyond it are distant, and all others are
+ * critical. */
 static void damper_schedule(void) {
   rig_t rig;
   open_before_obstacle(&rig, 0.23, towards);

@@ -93,8 +93,8 @@ static void the_nearest_point_of_each_capsule(void) {
   rig_close(&rig);
 }
 
-/* What rounding leaves of equal distances does not decide: neither between points, nor against a threshold.
- */
+/* What rounding leaves of equal distances does not decide: neither between points, nor against a
+ * threshold. */
 static void equal_distances(void) {
   rig_t rig;
   rig_open(&rig);
@@ -115,8 +115,8 @@ static void equal_distances(void) {
   rig_close(&rig);
 }
 
-/* No row is ever zero, and one that is off keeps the direction that it had: with this, hot starts are right.
- */
+/* No row is ever zero, and one that is off keeps the direction that it had: with this, hot starts
+ * are right. */
 static void rows_keep_their_directions(void) {
   rig_t rig;
   rig_open(&rig);

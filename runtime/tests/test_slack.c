@@ -1,8 +1,8 @@
 /* Soft rows: always a solution, a price for what is exceeded, and the same numbers as the QP written out. */
 #include "rig.h"
 
-/* One joint, one row a qdot <= b with weight rho: H qdot + g + rho a (a qdot - b) = 0 where it is exceeded.
- */
+/* One joint, one row a qdot <= b with weight rho: H qdot + g + rho a (a qdot - b) = 0 where it is
+ * exceeded. */
 static void one_row_by_hand(void) {
   rig_t rig;
   rig_open(&rig);

@@ -1,5 +1,5 @@
-/* Two robots, possibly with different solvers, linked into one program. `second` is a copy of the planar arm.
- */
+/* Two robots, possibly with different solvers, linked into one program. `second` is a copy of the
+ * planar arm. */
 #include "check.h"
 
 #include "planar/controller.h"
