@@ -9,6 +9,7 @@ What must hold in every cycle is checked by `random_cycles.c`, with the controll
 
 import re
 import sys
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +23,6 @@ from proxgen.controllers.protocol import Status
 from proxgen.errors import ProxgenError
 
 ROOT = Path(__file__).resolve().parents[2]
-OUT = ROOT / "build" / "soak"
 BACKENDS = ("daqp", "qpoases")
 JOINTS = 7
 SANITIZED = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
@@ -44,21 +44,21 @@ class Record:
     qdot: NDArray[np.float64]
 
 
-def random_cycles(backend: str, cycles: int, options: Sequence[str], *, sanitized: bool) -> str:
-    """Compile and run the random cycles of one back end; returns what they print.
+def random_cycles(backend: str, folder: Path, cycles: int, options: Sequence[str], sanitize: bool) -> str:
+    """Compile in a folder and run the random cycles of one back end; returns what they print.
 
     Raises:
         BuildError: a promise was broken, or a sanitizer has found something; with what was said.
     """
-    target = OUT / f"{backend}{'-sanitized' if sanitized else ''}"
+    target = folder / f"{backend}{'-sanitized' if sanitize else ''}"
     main, generated = ROOT / "runtime" / "tests" / "random_cycles.c", ROOT / "generated" / "iiwa7"
-    program = compile_program(main, generated, backend, target, SANITIZED if sanitized else [])
+    program = compile_program(main, generated, backend, target, SANITIZED if sanitize else [])
     return run([str(program), str(cycles), SEED, *options], f"random cycles with {backend} failed")
 
 
-def read(backend: str) -> Record:
+def read(path: Path) -> Record:
     """The record of a run."""
-    values = np.fromfile(OUT / f"{backend}.record").reshape(-1, 2 + JOINTS)
+    values = np.fromfile(path).reshape(-1, 2 + JOINTS)
     return Record(values[:, 0], values[:, 2:])
 
 
@@ -80,21 +80,25 @@ def problems(records: dict[str, Record], heap_calls: int) -> list[str]:
 
 def main(cycles: int) -> int:
     """Run everything; 1 if a promise does not hold."""
-    OUT.mkdir(parents=True, exist_ok=True)
-    links = {"daqp": ["--record", str(OUT / "daqp.record")]}
-    links["qpoases"] = ["--follow", str(OUT / "daqp.record"), "--record", str(OUT / "qpoases.record")]
-    said = {name: random_cycles(name, cycles, links[name], sanitized=False) for name in BACKENDS}
-    for name in BACKENDS:
-        print(said[name], end="")
-    records = {name: read(name) for name in BACKENDS}
+    with tempfile.TemporaryDirectory(prefix="proxgen-soak-") as name:
+        folder = Path(name)
+        paths = {backend: folder / f"{backend}.record" for backend in BACKENDS}
+        follow: dict[str, list[str]] = {"daqp": [], "qpoases": ["--follow", str(paths["daqp"])]}
+        said = {}
+        for backend, path in paths.items():
+            options = ["--record", str(path), *follow[backend]]
+            said[backend] = random_cycles(backend, folder, cycles, options, sanitize=False)
+            print(said[backend], end="", flush=True)
+        records = {backend: read(path) for backend, path in paths.items()}
+        same = records["daqp"].status == records["qpoases"].status
+        difference = np.abs(records["daqp"].qdot - records["qpoases"].qdot)[same].max()
+        print(
+            f"statuses differ in {np.sum(~same)} cycles, commands elsewhere by at most {difference:.1e} rad/s"
+        )
+        for backend in BACKENDS:
+            text = random_cycles(backend, folder, cycles, ["--extreme"], sanitize=True)
+            print(f"with sanitizers, {text}", end="", flush=True)
     (heap_calls,) = re.findall(r"heap: (\d+) calls", said["daqp"])
-    same = records["daqp"].status == records["qpoases"].status
-    difference = np.abs(records["daqp"].qdot - records["qpoases"].qdot)[same].max()
-    print(
-        f"statuses differ in {np.sum(~same)} cycles; commands, where they do not, by {difference:.1e} rad/s"
-    )
-    for name in BACKENDS:
-        print("sanitized, ", random_cycles(name, cycles, ["--extreme"], sanitized=True), sep="", end="")
     found = problems(records, int(heap_calls))
     for problem in found:
         print(f"failed: {problem}", file=sys.stderr)
