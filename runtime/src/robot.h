@@ -35,4 +35,9 @@
 #define pg_solver_solve        PG_NAME(internal_solver_solve)
 #define pg_test_hook           PG_NAME(internal_test_hook)
 
+/* Of additions that the robot may have. */
+#define pg_basis       PG_NAME(internal_basis)
+#define pg_tangents    PG_NAME(internal_tangents)
+#define pg_linear_part PG_NAME(internal_linear_part)
+
 #endif
