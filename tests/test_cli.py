@@ -10,7 +10,7 @@ import pytest
 
 from proxgen import __version__
 from proxgen.cli import files, main
-from proxgen.cli.output import columns, progress_bar, write_json, write_text
+from proxgen.cli.output import columns, progress_bar, write_json
 from proxgen.errors import BuildError, ProxgenWarning
 
 ROOT = Path(__file__).parent.parent
@@ -284,17 +284,12 @@ def test_a_comparison_that_fails_has_status_1(
     assert json.loads(Path("compare.json").read_text())["verdict"] == "fail"
 
 
-def test_files_are_written_whole_or_not_at_all() -> None:
-    write_text(Path("folder/a.txt"), "first")
-    write_text(Path("folder/a.txt"), "second")
+def test_json_that_nothing_else_reads_is_not_written() -> None:
+    write_json(Path("folder/a.json"), {"x": 1.0})
     with pytest.raises(ValueError, match="not JSON compliant"):
-        write_json(Path("folder/a.txt"), {"x": float("nan")})
-    with pytest.raises(UnicodeEncodeError):
-        write_text(Path("folder/a.txt"), "\ud800")
-    assert Path("folder/a.txt").read_text() == "second"
-    assert [path.name for path in Path("folder").iterdir()] == ["a.txt"]
-    Path("plain").write_text("")
-    assert Path("folder/a.txt").stat().st_mode == Path("plain").stat().st_mode
+        write_json(Path("folder/a.json"), {"x": float("nan")})
+    assert json.loads(Path("folder/a.json").read_text()) == {"x": 1.0}
+    assert [path.name for path in Path("folder").iterdir()] == ["a.json"]
 
 
 def test_a_progress_bar_on_a_terminal(

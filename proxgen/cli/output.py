@@ -1,13 +1,13 @@
 """What the command line shows while it works, and the files that it writes."""
 
 import json
-import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+
+from proxgen.files import write_whole
 
 Progress = Callable[[int, int], None]
 """Called with the number of steps done and the number of all."""
@@ -30,23 +30,7 @@ def progress_bar(title: str) -> Iterator[Progress | None]:
 
 def write_json(path: Path, content: Any) -> None:
     """Write a JSON file whole or not at all; folders are made."""
-    write_text(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file whole or not at all: beside it first, then in its place; folders are made."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-            file.write(text)
-        mask = os.umask(0)
-        os.umask(mask)
-        Path(name).chmod(0o666 & ~mask)
-        Path(name).replace(path)
-    except BaseException:
-        Path(name).unlink(missing_ok=True)
-        raise
+    write_whole(path, json.dumps(content, indent=2, allow_nan=False) + "\n")
 
 
 def shown_path(path: Path) -> Path:

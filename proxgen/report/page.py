@@ -9,6 +9,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
+from proxgen.files import write_whole
 from proxgen.report import style
 
 
@@ -101,4 +102,4 @@ def write_page(path: Path, page: Page) -> Path:
         keep_trailing_newline=True,
     )
     text = environment.get_template("report.html.j2").render(vars(page))
-    return style.write_whole(path, text.encode())
+    return write_whole(path, text)

@@ -4,7 +4,6 @@ Colours follow Okabe and Ito (2008), which people with any colour vision can tel
 (severity, nearness) they also grow darker, so that a black-and-white print still reads.
 """
 
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from io import BytesIO
@@ -16,6 +15,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from proxgen.controllers.protocol import Status
+from proxgen.files import write_whole
 
 INK = "#1f2933"
 MUTED = "#7b8794"
@@ -110,18 +110,6 @@ def save(figure: Figure, path: Path) -> Path:
     # Without the version of matplotlib the same figure gives the same bytes.
     figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
     return write_whole(path, buffer.getvalue())
-
-
-def write_whole(path: Path, content: bytes) -> Path:
-    """Write a file whole or not at all, into a folder that is made if it does not exist."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_bytes(content)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-    return path
 
 
 def legend_above(axes: Axes, handles: Sequence[Any] | None = None, columns: int = 8) -> None:

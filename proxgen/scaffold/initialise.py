@@ -4,6 +4,7 @@ import os
 import tempfile
 import warnings
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import numpy as np
 from proxgen.config.loader import load
 from proxgen.config.urdf import PACKAGE, resolve_urdf
 from proxgen.errors import ConfigError, ModelError, Problem, ProxgenWarning
+from proxgen.files import whole_file
 from proxgen.model import RobotModel, build_model
 from proxgen.model.posture import Posture, sampling_ranges
 from proxgen.scaffold.capsules import CapsuleProposal, propose_capsules
@@ -109,18 +111,9 @@ def _reference(urdf: str, path: Path, output: Path) -> str:
 
 def _write(texts: Mapping[Path, str]) -> None:
     """Write files whole, all or none: everything goes beside its place first."""
-    waiting: list[tuple[Path, Path]] = []
-    try:
+    with ExitStack() as together:
         for path, text in texts.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            temporary = path.with_name(f".{path.name}.{os.getpid()}")
-            waiting.append((temporary, path))
-            temporary.write_text(text, encoding="utf-8")
-        for temporary, path in waiting:
-            temporary.replace(path)
-    finally:
-        for temporary, _ in waiting:
-            temporary.unlink(missing_ok=True)
+            together.enter_context(whole_file(path)).write(text.encode())
 
 
 def _blanks(arm: Arm, capsules: list[CapsuleProposal]) -> list[str]:

@@ -1,8 +1,6 @@
 """RolloutLog: everything that happened in a closed loop, cycle by cycle, saved whole."""
 
 import json
-import os
-import tempfile
 import zipfile
 from collections import Counter
 from dataclasses import dataclass, fields
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 
 from proxgen.controllers.protocol import Status
 from proxgen.errors import SimulationError
+from proxgen.files import whole_file
 
 Array = NDArray[np.float64]
 
@@ -74,7 +73,7 @@ class RolloutLog:
     meta: dict[str, Any]
 
     def save(self, path: Path) -> None:
-        """Write a compressed npz file, whole or not at all.
+        """Write a compressed npz file, whole or not at all; folders are made.
 
         Raises:
             SimulationError: it cannot be written.
@@ -82,14 +81,8 @@ class RolloutLog:
         arrays = {field.name: getattr(self, field.name) for field in fields(self) if field.name != "meta"}
         text = json.dumps(self.meta, sort_keys=True).encode()
         try:
-            handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".part")
-            try:
-                with os.fdopen(handle, "wb") as file:
-                    np.savez_compressed(file, meta=np.frombuffer(text, dtype=np.uint8), **arrays)
-                Path(name).replace(path)
-            except BaseException:
-                Path(name).unlink(missing_ok=True)
-                raise
+            with whole_file(path) as file:
+                np.savez_compressed(file, meta=np.frombuffer(text, dtype=np.uint8), **arrays)
         except OSError as error:
             raise SimulationError(f"cannot write the log {path}: {error.strerror}") from error
 

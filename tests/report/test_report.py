@@ -212,19 +212,6 @@ def test_zones_are_those_of_the_law_in_force() -> None:
     assert [text.get_text().split()[1] for text in other.axes[1].texts] == ["0.40", "0.20"]
 
 
-def test_a_failed_write_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = style.write_whole(tmp_path / "file", b"old")
-
-    def refuse(self: Path, target: Path) -> Path:
-        raise OSError("disk full")
-
-    monkeypatch.setattr(Path, "replace", refuse)
-    with pytest.raises(OSError, match="disk full"):
-        style.write_whole(path, b"new")
-    assert [file.name for file in tmp_path.iterdir()] == ["file"]
-    assert path.read_bytes() == b"old"
-
-
 def test_figures_have_different_names(tmp_path: Path) -> None:
     gallery = Gallery(tmp_path)
     gallery.add("one", "One", "", lambda: course_figure(make_log(cycles=5)))

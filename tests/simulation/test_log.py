@@ -152,4 +152,4 @@ def test_what_is_not_a_log_is_refused(tmp_path: Path) -> None:
     with pytest.raises(SimulationError, match="not a rollout log"):
         RolloutLog.load(cut)
     with pytest.raises(SimulationError, match="cannot write"):
-        made_log().save(tmp_path / "no" / "such" / "folder.npz")
+        made_log().save(text / "below_a_file.npz")
