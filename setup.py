@@ -1,22 +1,34 @@
-"""What pyproject.toml cannot say: a wheel carries the runtime's sources, which lie outside the package."""
+"""What pyproject.toml cannot say: a wheel carries runtime and examples, which lie outside the package."""
 
 from pathlib import Path
-from shutil import copytree, ignore_patterns
+from shutil import copyfile, copytree, ignore_patterns
 
 from setuptools import setup
 from setuptools.command.build_py import build_py
 
+EXAMPLES = ("yaml", "urdf", "csv")
+"""Endings of the files that describe robots, scenes and trajectories."""
 
-class BuildWithRuntime(build_py):
-    """Copies `runtime/` to `proxgen/_runtime/`; an editable install uses the checkout's own."""
+
+class BuildWithCompanions(build_py):
+    """Copies `runtime/` to `proxgen/_runtime/`, robots and scenes of `examples/` to `proxgen/_examples/`.
+
+    An editable install uses the checkout's own.
+    """
 
     def run(self) -> None:
         """Build, then copy."""
         super().run()
-        if not self.editable_mode:
-            for part in ("include", "src", "bench"):
-                target = Path(self.build_lib) / "proxgen" / "_runtime" / part
-                copytree(Path("runtime") / part, target, dirs_exist_ok=True, ignore=ignore_patterns(".*"))
+        if self.editable_mode:
+            return
+        package = Path(self.build_lib) / "proxgen"
+        for part in ("include", "src", "bench"):
+            target = package / "_runtime" / part
+            copytree(Path("runtime") / part, target, dirs_exist_ok=True, ignore=ignore_patterns(".*"))
+        for source in sorted(path for ending in EXAMPLES for path in Path("examples").glob(f"*/*.{ending}")):
+            target = package / "_examples" / source.relative_to("examples")
+            target.parent.mkdir(parents=True, exist_ok=True)
+            copyfile(source, target)
 
 
-setup(cmdclass={"build_py": BuildWithRuntime})
+setup(cmdclass={"build_py": BuildWithCompanions})

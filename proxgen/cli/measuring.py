@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from proxgen.cli.arguments import seconds, whole_number
 from proxgen.cli.output import columns, progress_bar, write_json
+from proxgen.config.examples import examples_directory
 
 if TYPE_CHECKING:
     from proxgen.bench import Benchmark
@@ -13,7 +14,6 @@ if TYPE_CHECKING:
     from proxgen.config.scene import Scene
     from proxgen.config.schema import Config
 
-EXAMPLE = Path("examples/iiwa7/iiwa7.yaml")
 SCENES = ("gap", "pillar", "moving")
 PEERS = Path("build/bench")
 """Where the peers' environments are made, and kept."""
@@ -29,8 +29,8 @@ def add_verbs(verbs: Any) -> None:
         metavar="CONFIG",
         type=Path,
         nargs="?",
-        default=EXAMPLE,
-        help=f"the robot's YAML file (default: {EXAMPLE})",
+        default=examples_directory() / "iiwa7" / "iiwa7.yaml",
+        help="the robot's YAML file (default: examples/iiwa7/iiwa7.yaml)",
     )
     bench.add_argument(
         "--scene",

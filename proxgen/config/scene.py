@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag
 
+from proxgen.config.examples import examples_directory
 from proxgen.config.layers import read_layers
 from proxgen.config.loader import validate
 from proxgen.config.origin import Origin
@@ -18,9 +19,6 @@ from proxgen.errors import ConfigError, Problem, nearest_name, unknown_name
 Size = Annotated[float, Length(gt=0.0, le=100.0)]
 Rpy = tuple[Annotated[float, Angle()], Annotated[float, Angle()], Annotated[float, Angle()]]
 Position = Annotated[float, JointPosition()]
-
-EXAMPLES = Path(__file__).parents[2] / "examples" / "scenes"
-"""The scenes that come with proxgen."""
 
 _MEASURES = {
     "box": {"size"},
@@ -215,7 +213,7 @@ def load_scene(name: str | Path, beside: Path | None = None) -> Scene:
 def scene_folders(beside: Path | None = None) -> list[Path]:
     """Where scenes are looked for: beside the robot's file, in `scenes` there or above, proxgen's own."""
     folders = [beside.parent, beside.parent / "scenes", beside.parent.parent / "scenes"] if beside else []
-    return [*folders, Path("examples/scenes"), EXAMPLES]
+    return [*folders, Path("examples/scenes"), examples_directory() / "scenes"]
 
 
 def scene_names(beside: Path | None = None) -> list[str]:
