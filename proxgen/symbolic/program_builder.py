@@ -61,7 +61,7 @@ def build_program(config: Config, model: RobotModel) -> Program:
         schedule=config.avoidance.schedule,
         max_iterations=config.solver.max_iterations,
         tolerance=config.solver.tolerance,
-        sources={"proxgen": __version__, "casadi": version("casadi"), "pin": version("pin")},
+        sources={"proxgen": __version__, "casadi": version("casadi")},
     )
 
 
