@@ -8,6 +8,9 @@ words; which constant tables; and which parameters stay settable at run time.
 from dataclasses import dataclass
 from typing import Any
 
+ADDITIONS = ("self_measurement", "memory", "circulation", "self_collision", "repulsive", "tangential")
+"""Names of the additions (docs/method.md), each of which is code only where it is switched on."""
+
 
 @dataclass(frozen=True)
 class Argument:
@@ -97,6 +100,45 @@ class SensorEntry:
 
 
 @dataclass(frozen=True)
+class SelfPointEntry:
+    """A row of the table of self-collision points: `pg_self_point_t`, and its row of pairs.
+
+    Attributes:
+        name: as in the configuration.
+        body: that carries it.
+        position: in that body's frame [m].
+        radius: of the ball; 0 for a point [m].
+        capsules: for each capsule whether the two are a pair.
+    """
+
+    name: str
+    body: int
+    position: tuple[float, float, float]
+    radius: float
+    capsules: tuple[bool, ...]
+
+
+BASELINE_ROWS = {
+    "repulsive": (
+        "d_hat: not closer than the law allows",
+        "d_hat: not further away",
+        "first tangent: not forwards",
+        "first tangent: not backwards",
+        "second tangent: not forwards",
+        "second tangent: not backwards",
+    ),
+    "tangential": (
+        "d_hat: not closer than the law allows",
+        "d_hat: not further away",
+        "across the tangent: not to one side",
+        "across the tangent: not to the other",
+        "along the tangent: at least tangential_speed",
+    ),
+}
+"""What the slots of the methods that the paper compares with stand for."""
+
+
+@dataclass(frozen=True)
 class Program:
     """All that is generated for one robot.
 
@@ -113,16 +155,18 @@ class Program:
         body_names: (bodies,).
         kernels: in the order of the cycle.
         parameters: in the order of the C struct.
-        capsules: the capsule table; one fixed row slot each.
+        capsules: the capsule table; one fixed row slot each, and one more with self-collision.
         tof: table of the range sensors.
         capacitive: table of the switches.
         max_points: capacity for further obstacle points.
         relaxation: `staged` or `slack`.
-        active_row: whether the row (7) exists.
+        active_row: whether the row (7) exists; only with the method `proposed`.
         schedule: `paper` (law (13)) or `damper`.
         max_iterations: working-set changes per solve.
         tolerance: greatest KKT residual that is certified.
         sources: names and versions that determine the text, such as {"casadi": "3.8.2"}.
+        method: `proposed`, or `repulsive` or `tangential`, which have the rows of `BASELINE_ROWS`.
+        self_points: the points of self-collision; none: there is no such thing.
     """
 
     robot: str
@@ -145,6 +189,23 @@ class Program:
     max_iterations: int
     tolerance: float
     sources: dict[str, str]
+    method: str = "proposed"
+    self_points: tuple[SelfPointEntry, ...] = ()
+
+    @property
+    def additions(self) -> tuple[str, ...]:
+        """What is switched on beyond the paper's method, in the order of `ADDITIONS`."""
+        on = {"self_collision": bool(self.self_points), self.method: True}
+        return tuple(name for name in ADDITIONS if on.get(name, False))
+
+    @property
+    def row_names(self) -> tuple[str, ...]:
+        """What each row slot stands for."""
+        if self.method != "proposed":
+            return BASELINE_ROWS[self.method]
+        names = [capsule.name for capsule in self.capsules]
+        own = [f"{name} (self-collision)" for name in names] if self.self_points else []
+        return (*names, *(["active row (7)"] if self.active_row else []), *own)
 
     def kernel(self, name: str) -> Kernel:
         """The kernel of that name; KeyError if there is none."""

@@ -31,6 +31,7 @@ def render_manifest(program: Program, functions: tuple[Function, ...], mark: str
         "capsules": [asdict(entry) for entry in program.capsules],
         "tof": [asdict(entry) for entry in program.tof],
         "capacitive": [asdict(entry) for entry in program.capacitive],
+        **_additions(program),
         "functions": [_function(program, function) for function in functions],
     }
     entries = [f"  {_json(key)}: {_value(value)}" for key, value in content.items()]
@@ -47,8 +48,19 @@ def dimensions(program: Program) -> dict[str, int]:
         "tof": len(program.tof),
         "capacitive": len(program.capacitive),
         "max_points": program.max_points,
-        "rows": len(program.capsules) + int(program.active_row),
+        "rows": len(program.row_names),
+        **({"self_points": len(program.self_points)} if program.self_points else {}),
     }
+
+
+def _additions(program: Program) -> dict[str, Any]:
+    """What is there only with additions: their names, what the rows stand for, and their tables."""
+    if not program.additions:
+        return {}
+    entries: dict[str, Any] = {"additions": program.additions, "row_names": program.row_names}
+    if program.self_points:
+        entries["self_points"] = [asdict(entry) for entry in program.self_points]
+    return entries
 
 
 def _value(value: Any) -> str:

@@ -11,8 +11,8 @@ from proxgen.emit.kernels import render_kernels
 from proxgen.emit.layout import tidy
 from proxgen.emit.manifest import MANIFEST, dimensions, render_manifest
 from proxgen.emit.signatures import Function, functions, shape_text
-from proxgen.emit.text import block_comment, identifier, number, plain, string
-from proxgen.program import Argument, Program
+from proxgen.emit.text import WIDTH, block_comment, identifier, number, plain, string
+from proxgen.program import ADDITIONS, Argument, Program, SelfPointEntry
 
 ABI_VERSION = 1
 """What the runtime must be for code generated here: `PG_ABI_VERSION` of `proxgen/types.h`."""
@@ -77,6 +77,8 @@ def template_context(program: Program, all_functions: tuple[Function, ...]) -> d
         "abi": ABI_VERSION,
         "version": __version__,
         "dimensions": dimensions(program),
+        "additions": program.additions,
+        "additions_mask": sum(1 << ADDITIONS.index(name) for name in program.additions),
         "functions": [_function_context(function) for function in all_functions],
         "parameter_fields": tables.parameter_fields(program),
         "kinematics_fields": tables.kinematics_struct(program),
@@ -86,6 +88,9 @@ def template_context(program: Program, all_functions: tuple[Function, ...]) -> d
         "capsule_rows": tables.capsule_rows(program),
         "tof_rows": tables.sensor_rows(program, program.tof),
         "capacitive_rows": tables.sensor_rows(program, program.capacitive),
+        "self_point_rows": tables.self_point_rows(program),
+        "self_pair_rows": tables.self_pair_rows(program),
+        "self_pairs": [_pairs(program, point) for point in program.self_points],
         "names_comment": block_comment(_names(program)),
         "public_functions": PUBLIC_FUNCTIONS,
         "string": string,
@@ -126,11 +131,25 @@ def _names(program: Program) -> list[str]:
         "bodies": program.body_names,
         "capsules": [capsule.name for capsule in program.capsules],
     }
+    if program.self_points:
+        lists["self points"] = [point.name for point in program.self_points]
+    if program.additions:
+        lists["rows"] = program.row_names
     listed = [
         f"  {kind}: {', '.join(f'{index} {name}' for index, name in enumerate(names))}"
         for kind, names in lists.items()
     ]
     return ["Sizes. What the indices stand for:", *listed]
+
+
+def _pairs(program: Program, point: SelfPointEntry) -> str:
+    """The capsules that are pairs with a point, and the rows that they give."""
+    first = len(program.capsules) + program.active_row
+    return ", ".join(
+        f"{capsule.name} ({first + slot})"
+        for slot, capsule in enumerate(program.capsules)
+        if point.capsules[slot]
+    )
 
 
 def _function_context(function: Function) -> dict[str, Any]:
@@ -139,7 +158,7 @@ def _function_context(function: Function) -> dict[str, Any]:
         "name": function.name,
         "declaration": function.declaration,
         "comment": block_comment(_description(function)),
-        "by_body": function.cases[0].body is not None,
+        "choosers": function.choosers,
         "cases": function.cases,
         "arguments": _pointer_array("const double *arguments[]", function.arguments),
         "results": _pointer_array("double *results[]", function.results),
@@ -163,10 +182,13 @@ def _description(function: Function) -> list[str]:
         lines.append("Reads from the kinematics " + ", ".join(function.fields_read) + ".")
     if function.fields_written:
         lines.append("Writes all of the kinematics.")
-    if function.cases[0].body is not None:
-        lines.append(
-            f"Returns 0, or 1 for a body that carries no capsule. Operations: {function.operations} at most."
+    if function.choosers:
+        refused = (
+            "for a body that carries no capsule"
+            if len(function.choosers) == 1
+            else "where no capsule of the one and point of the other are a pair"
         )
+        lines.append(f"Returns 0, or 1 {refused}. Operations: {function.operations} at most.")
     else:
         lines.append(f"Returns 0. Operations: {function.operations}.")
     return lines
@@ -179,8 +201,11 @@ def _argument_line(argument: Argument, side: str, width: int) -> str:
 
 
 def _pointer_array(declaration: str, expressions: tuple[str, ...]) -> list[str]:
-    """An array of pointers, on one line if it fits, else one per line."""
+    """An array of pointers, broken as clang-format does: it packs five and more into one line if they fit."""
     one_line = f"  {declaration} = {{{', '.join(expressions)}}};"
     if len(one_line) <= 100:
         return [one_line]
+    packed = f"      {', '.join(expressions)},"
+    if len(expressions) >= 5 and len(packed) <= WIDTH:
+        return [f"  {declaration} = {{", packed, "  };"]
     return [f"  {declaration} = {{", *(f"      {expression}," for expression in expressions), "  };"]

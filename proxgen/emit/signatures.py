@@ -2,7 +2,8 @@
 
 An input that is a parameter is read from the parameter block. An input or output with the name and shape of
 an output of the kernel `kinematics` comes from, or goes to, the kinematics struct. Everything else is an
-argument. Kernels called `row_<body>` become one function with the body as its first argument.
+argument. Kernels called `row_<body>` become one function with the body as its first argument; those called
+`self_row_<body>_<carrier>`, one with two bodies.
 """
 
 import re
@@ -27,14 +28,16 @@ REQUIRED = (
 )
 """Functions without which the runtime does not link."""
 
-_ROW = re.compile(r"^row_(\d+)$")
+_ROW = re.compile(r"^(row_(\d+)|self_row_(\d+)_(\d+))$")
+_BODIES = {"row": ("body",), "self_row": ("body", "carrier")}
+"""Arguments of the functions that choose their kernel by bodies."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One kernel behind a function; `body` is None unless the function chooses by body."""
+    """One kernel behind a function; `bodies` is empty unless the function chooses by them."""
 
-    body: int | None
+    bodies: tuple[int, ...]
     symbol: str
     note: str
 
@@ -56,6 +59,7 @@ class Function:
         arguments: C expressions for the kernel's inputs.
         results: C expressions for the kernel's outputs.
         cases: the kernels.
+        choosers: arguments by which the function chooses among them.
         operations: arithmetic operations; the most of all cases.
     """
 
@@ -71,6 +75,7 @@ class Function:
     arguments: tuple[str, ...]
     results: tuple[str, ...]
     cases: tuple[Case, ...]
+    choosers: tuple[str, ...]
     operations: int
 
 
@@ -82,7 +87,7 @@ def functions(program: Program) -> tuple[Function, ...]:
     """
     groups: dict[str, list[Kernel]] = {}
     for kernel in program.kernels:
-        groups.setdefault("row" if _ROW.match(kernel.name) else kernel.name, []).append(kernel)
+        groups.setdefault(_function_name(kernel), []).append(kernel)
     for name in REQUIRED:
         if name not in groups:
             raise GenerateError(f"the program has no kernel '{name}', which the runtime calls")
@@ -125,9 +130,9 @@ def _function(program: Program, name: str, kernels: list[Kernel], fields: dict[s
     passed_out = tuple(a for a in first.outputs if not _is_field(a, fields))
     read = tuple(a.name for a in first.inputs if not a.parameter and _is_field(a, fields))
     written = tuple(a.name for a in first.outputs if _is_field(a, fields))
-    by_body = _ROW.match(first.name) is not None
+    choosers = _BODIES.get(name, ())
     prefix = program.robot
-    declared = ["int body"] if by_body else []
+    declared = [f"int {chooser}" for chooser in choosers]
     if any(argument.parameter for argument in first.inputs):
         declared.append(f"const {prefix}_parameters_t *parameters")
     if read and not written:
@@ -149,6 +154,7 @@ def _function(program: Program, name: str, kernels: list[Kernel], fields: dict[s
         arguments=tuple(_expression(a, fields, output=False) for a in first.inputs),
         results=tuple(_expression(a, fields, output=True) for a in first.outputs),
         cases=tuple(_cases(program, kernels)),
+        choosers=choosers,
         operations=max(operation_count(kernel) for kernel in kernels),
     )
 
@@ -156,14 +162,24 @@ def _function(program: Program, name: str, kernels: list[Kernel], fields: dict[s
 def _cases(program: Program, kernels: Iterable[Kernel]) -> Iterable[Case]:
     """One case per kernel."""
     for kernel in kernels:
-        match = _ROW.match(kernel.name)
-        body = int(match.group(1)) if match else None
-        if body is not None and body >= program.bodies:
+        bodies = _bodies(kernel)
+        if any(body >= program.bodies for body in bodies):
             raise GenerateError(
                 f"kernel {kernel.name}: there are only {program.bodies} bodies, counted from 0"
             )
-        note = program.body_names[body] if body is not None else ""
-        yield Case(body, kernel_symbol(program.robot, kernel.name), note)
+        note = ", ".join(program.body_names[body] for body in bodies)
+        yield Case(bodies, kernel_symbol(program.robot, kernel.name), note)
+
+
+def _bodies(kernel: Kernel) -> tuple[int, ...]:
+    """The bodies in the name of a kernel of a function that chooses by them."""
+    match = _ROW.match(kernel.name)
+    return tuple(int(number) for number in match.groups()[1:] if number is not None) if match else ()
+
+
+def _function_name(kernel: Kernel) -> str:
+    """Name of the function around a kernel: its own, without the bodies."""
+    return kernel.name.rstrip("_0123456789") if _ROW.match(kernel.name) else kernel.name
 
 
 def _check_parameters(program: Program, kernel: Kernel) -> None:

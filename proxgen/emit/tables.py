@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from proxgen.emit.signatures import field_dimensions, kinematics_fields
 from proxgen.emit.text import braces, comment_text, identifier, number
 from proxgen.errors import GenerateError
-from proxgen.program import CapsuleEntry, Parameter, Program, SensorEntry
+from proxgen.program import CapsuleEntry, Parameter, Program, SelfPointEntry, SensorEntry
 
 
 def parameter_fields(program: Program) -> list[str]:
@@ -51,6 +51,32 @@ def sensor_rows(program: Program, sensors: Sequence[SensorEntry]) -> list[str]:
     return rows or ["  {0, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0}, /* none: C has no empty tables */"]
 
 
+def self_point_rows(program: Program) -> list[str]:
+    """Rows of the table of self-collision points; none if there is no such thing."""
+    _check_bodies(program, program.self_points)
+    return [
+        f"  {{{p.body}, {braces(p.position)}, {number(p.radius)}}}, /* {comment_text(p.name)} */"
+        for p in program.self_points
+    ]
+
+
+def self_pair_rows(program: Program) -> list[str]:
+    """For each of these points, for each capsule whether they are a pair: 0 or 1.
+
+    Raises:
+        GenerateError: a point that does not say so for every capsule.
+    """
+    for point in program.self_points:
+        if len(point.capsules) != len(program.capsules):
+            raise GenerateError(
+                f"{point.name} has pairs for {len(point.capsules)} of {len(program.capsules)} capsules"
+            )
+    return [
+        f"  {{{', '.join(str(int(paired)) for paired in p.capsules)}}}, /* {comment_text(p.name)} */"
+        for p in program.self_points
+    ]
+
+
 def _dimension(parameter: Parameter) -> str:
     """C dimension of a parameter: nothing or `[7]`."""
     return f"[{parameter.shape[0]}]" if parameter.shape else ""
@@ -75,7 +101,7 @@ def _value(parameter: Parameter, value: float | tuple[float, ...]) -> str:
     return braces(values)
 
 
-def _check_bodies(program: Program, entries: Iterable[CapsuleEntry | SensorEntry]) -> None:
+def _check_bodies(program: Program, entries: Iterable[CapsuleEntry | SensorEntry | SelfPointEntry]) -> None:
     """Refuse an entry on a body that does not exist."""
     for entry in entries:
         if not 0 <= entry.body < program.bodies:

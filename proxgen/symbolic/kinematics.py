@@ -82,8 +82,32 @@ def point_jacobian(
     Column j is z_j x (p - o_j) for a revolute joint and z_j for a prismatic one; joints that do not move the
     body give structural zeros. A mimic joint adds its ratio's share to the joint that it follows.
     """
+    return _moved_by(model, axes, origins, _supports(model, body), point)
+
+
+def relative_jacobian(
+    model: RobotModel,
+    axes: tuple[Any, ...],
+    origins: tuple[Any, ...],
+    bodies: tuple[int, int],
+    points: tuple[Any, Any],
+) -> Any:
+    """J_p - J_h (3, n) along the line through two world points p and h, each fixed on its body.
+
+    Joints that move both are left out: their share z x (p - h) is normal to p - h, and only the component
+    along it is of use.
+    """
+    own, others = (_supports(model, body) for body in bodies)
+    towards = _moved_by(model, axes, origins, [i for i in own if i not in others], points[0])
+    return towards - _moved_by(model, axes, origins, [i for i in others if i not in own], points[1])
+
+
+def _moved_by(
+    model: RobotModel, axes: tuple[Any, ...], origins: tuple[Any, ...], joints: list[int], point: Any
+) -> Any:
+    """Position Jacobian (3, n) of a point that some joints (from 0) move."""
     jacobian = ca.SX(3, model.n)
-    for index in _supports(model, body):
+    for index in joints:
         drive = model.drives[index]
         column = axes[index] if drive.prismatic else ca.cross(axes[index], point - origins[index])
         jacobian[:, drive.index] += drive.ratio * column

@@ -8,7 +8,7 @@ from proxgen.config.schema import Config
 from proxgen.errors import GenerateError
 from proxgen.model import RobotModel
 from proxgen.model.robot_model import Array, SensorModule
-from proxgen.program import CapsuleEntry, Program, SensorEntry
+from proxgen.program import CapsuleEntry, Kernel, Parameter, Program, SelfPointEntry, SensorEntry
 from proxgen.symbolic import kernels
 from proxgen.symbolic.parameters import parameters
 
@@ -50,6 +50,7 @@ def build_program(config: Config, model: RobotModel) -> Program:
             kernels.slack_kernel(by_name),
             kernels.objective_kernel(model, by_name),
             kernels.bounds_kernel(model, by_name),
+            *_self_kernels(config, model, bodies, by_name),
         ),
         parameters=settable,
         capsules=_capsule_table(model, bodies),
@@ -57,11 +58,13 @@ def build_program(config: Config, model: RobotModel) -> Program:
         capacitive=_sensor_table(model.capacitive_modules, bodies, virtual=True),
         max_points=config.skin.max_points,
         relaxation=config.relaxation.mode,
-        active_row=config.avoidance.active.enabled,
+        active_row=config.avoidance.active.enabled and config.avoidance.method == "proposed",
         schedule=config.avoidance.schedule,
         max_iterations=config.solver.max_iterations,
         tolerance=config.solver.tolerance,
         sources={"proxgen": __version__, "casadi": version("casadi")},
+        method=config.avoidance.method,
+        self_points=_self_point_table(model, bodies),
     )
 
 
@@ -80,9 +83,39 @@ def _refuse_additions(config: Config) -> None:
 
 
 def carrying_bodies(model: RobotModel) -> list[int]:
-    """Pinocchio joints that carry a capsule or a sensor, in order: the rows of `body_to_world`."""
-    carriers = [capsule.body for capsule in model.capsules] + [module.body for module in model.modules]
-    return sorted(set(carriers))
+    """Pinocchio joints that carry a capsule, a sensor or a self point, in order: rows of `body_to_world`."""
+    capsules, modules, points = model.capsules, model.modules, model.self_points
+    return sorted({c.body for c in capsules} | {m.body for m in modules} | {p.body for p in points})
+
+
+def _self_kernels(
+    config: Config, model: RobotModel, bodies: list[int], by_name: dict[str, Parameter]
+) -> list[Kernel]:
+    """Kernels of self-collision: rows for the bodies of all pairs, the law, the weight of soft rows."""
+    if not model.self_points:
+        return []
+    pairs = {
+        (capsule.body, point.body)
+        for point in model.self_points
+        for capsule, paired in zip(model.capsules, point.capsules, strict=True)
+        if paired
+    }
+    rows = [
+        kernels.self_row_kernel(model, (bodies.index(link), bodies.index(carrier)), (link, carrier))
+        for link, carrier in sorted(pairs)
+    ]
+    weight = [kernels.self_slack_kernel(by_name)] if config.relaxation.mode == "slack" else []
+    return [*rows, kernels.self_approach_kernel(by_name), *weight]
+
+
+def _self_point_table(model: RobotModel, bodies: list[int]) -> tuple[SelfPointEntry, ...]:
+    """The points of self-collision with their pairs."""
+    return tuple(
+        SelfPointEntry(
+            point.name, bodies.index(point.body), _triple(point.position), point.radius, point.capsules
+        )
+        for point in model.self_points
+    )
 
 
 def _triple(vector: Array) -> tuple[float, float, float]:

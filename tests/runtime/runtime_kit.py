@@ -128,5 +128,7 @@ def render_header(name: str, robot: str) -> str:
         "version": "0",
         "config_hash": "0" * 64,
         "banner": "/* test */",
+        "additions": (),
+        "additions_mask": 0,
     }
     return environment.get_template(f"{name}.j2").render(values)

@@ -58,6 +58,13 @@ typedef struct {
   double range;       /* [m] greatest reading of a range sensor; virtual distance of a switch */
 } pg_sensor_t;
 
+/* A point, or a ball, that the arm carries and that its other links must not touch. */
+typedef struct {
+  int body;           /* row of body_to_world */
+  double position[3]; /* [m] body frame */
+  double radius;      /* [m] of the ball; 0 for a point */
+} pg_self_point_t;
+
 #ifdef __cplusplus
 }
 #endif
