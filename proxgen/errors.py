@@ -4,7 +4,7 @@ Messages name what was found, what is allowed and, for a name that does not exis
 does. `proxgen.cli` turns an error into text on stderr and its `exit_status`; nothing else prints.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from pathlib import Path
@@ -112,6 +112,19 @@ class SimulationError(ProxgenError):
 
 class CompareError(ProxgenError):
     """Two controllers cannot be compared (not: they differ, which is a verdict)."""
+
+
+class ReproduceError(ProxgenError):
+    """Some of the paper's experiments could not be finished; what is finished is kept.
+
+    Attributes:
+        failures: reason by name of the run or comparison.
+    """
+
+    def __init__(self, message: str, failures: Mapping[str, str]) -> None:
+        """Show the message first, then a line for each failure."""
+        self.failures = dict(failures)
+        super().__init__("\n".join([message, *(f"  {name}: {why}" for name, why in failures.items())]))
 
 
 def nearest_name(name: str, allowed: Iterable[str]) -> str | None:

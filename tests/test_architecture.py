@@ -42,7 +42,7 @@ LIBRARIES: dict[str, set[str]] = {
     "pinocchio": {"model", "symbolic", "controllers.reference", "bench.peers.with_pink"},
     "quadprog": {"controllers.reference", "scaffold.fit"},
     "coal": {"scaffold.meshes"},
-    "matplotlib": {"report"},
+    "matplotlib": {"report", "reproduce.figures"},
     "rich": {"cli"},
     "yaml": {"config"},
 }
