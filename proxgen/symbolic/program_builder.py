@@ -74,7 +74,6 @@ def _refuse_additions(config: Config) -> None:
     asked = {
         f"avoidance.method: {avoidance.method}": avoidance.method != "proposed",
         "avoidance.circulation": avoidance.circulation.enabled,
-        "avoidance.self_collision": bool(avoidance.self_collision.points),
         "skin.memory": skin.memory.enabled,
         "skin.self_measurement": skin.self_measurement.enabled,
     }

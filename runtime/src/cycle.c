@@ -45,6 +45,10 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
   pg_model_kinematics(q, &controller->kinematics);
   status = pg_find_nearest(controller, seen);
   if (status != PG_SOLVED) return status;
+#if PG_SELF_POINTS
+  status = pg_find_own(controller);
+  if (status != PG_SOLVED) return status;
+#endif
   pg_write_rows(controller);
   pg_model_objective(p, &controller->kinematics, q, xdot, cycle->H, cycle->g, &cycle->manipulability,
                      &cycle->damping);

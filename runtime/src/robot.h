@@ -35,9 +35,16 @@
 #define pg_solver_solve        PG_NAME(internal_solver_solve)
 #define pg_test_hook           PG_NAME(internal_test_hook)
 
-/* Of additions that the robot may have. */
-#define pg_basis       PG_NAME(internal_basis)
-#define pg_tangents    PG_NAME(internal_tangents)
-#define pg_linear_part PG_NAME(internal_linear_part)
+/* Additions that binding.h does not name are off, and nothing of them is compiled. */
+#ifndef PG_SELF_POINTS
+#define PG_SELF_POINTS 0
+#endif
+
+#define pg_find_own       PG_NAME(internal_find_own)
+#define pg_write_own_rows PG_NAME(internal_write_own_rows)
+#define pg_dropped_at     PG_NAME(internal_dropped_at)
+#define pg_basis          PG_NAME(internal_basis)
+#define pg_tangents       PG_NAME(internal_tangents)
+#define pg_linear_part    PG_NAME(internal_linear_part)
 
 #endif

@@ -7,9 +7,6 @@
 
 #include <math.h>
 
-/* Closer than this to an axis there is no direction to leave it. */
-#define INSIDE 1e-6 /* [m] */
-
 /* A capsule's axis in the world, and the nearest point to it so far. */
 typedef struct {
   pg_segment_t segment;
@@ -26,15 +23,8 @@ static double influence_distance(const pg_parameters_t *p) {
 static void place_capsules(const pg_controller_t *controller, candidate_t candidates[PG_CAPSULES]) {
   for (int l = 0; l < PG_CAPSULES; l++) {
     const pg_capsule_t *capsule = &pg_model_capsules[l];
-    const double *pose = controller->kinematics.body_to_world[capsule->body];
-    pg_segment_t *segment = &candidates[l].segment;
-    double end[3];
-    pg_transform(pose, capsule->start, segment->start);
-    pg_transform(pose, capsule->end, end);
-    for (int i = 0; i < 3; i++)
-      segment->axis[i] = end[i] - segment->start[i];
-    const double squared_length = pg_dot(segment->axis, segment->axis);
-    segment->inverse_squared_length = squared_length > 0.0 ? 1.0 / squared_length : 0.0;
+    pg_place(controller->kinematics.body_to_world[capsule->body], capsule->start, capsule->end,
+             &candidates[l].segment);
 
     /* A little more than needed: the distance itself decides at the end. */
     const double reach =
@@ -76,7 +66,7 @@ static int measure(const candidate_t *candidate, double reference_radius, double
   const double norm = sqrt(pg_from_segment(&candidate->segment, candidate->point, d, &t));
   nearest->distance = norm - reference_radius;
   nearest->found = nearest->distance <= influence;
-  if (norm < INSIDE) return 0;
+  if (norm < PG_INSIDE) return 0;
   for (int i = 0; i < 3; i++) {
     nearest->closest[i] = candidate->segment.start[i] + t * candidate->segment.axis[i];
     nearest->direction[i] = d[i] / norm;
