@@ -118,6 +118,33 @@ class SelfPointEntry:
     capsules: tuple[bool, ...]
 
 
+@dataclass(frozen=True)
+class SelfMeasurement:
+    """Where sensors may see the arm itself.
+
+    Attributes:
+        rays: per range sensor the five unit vectors along which it looks, body frame.
+        cones: per switch the distance at which something closes it [m], and the cosine of half its opening
+            angle.
+    """
+
+    rays: tuple[tuple[tuple[float, float, float], ...], ...]
+    cones: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True)
+class Memory:
+    """The memory of seen points.
+
+    Attributes:
+        capacity: number of slots.
+        see_through: per range sensor the cosine of half the angle in which it is believed to see through.
+    """
+
+    capacity: int
+    see_through: tuple[float, ...]
+
+
 BASELINE_ROWS = {
     "repulsive": (
         "d_hat: not closer than the law allows",
@@ -167,6 +194,9 @@ class Program:
         sources: names and versions that determine the text, such as {"casadi": "3.8.2"}.
         method: `proposed`, or `repulsive` or `tangential`, which have the rows of `BASELINE_ROWS`.
         self_points: the points of self-collision; none: there is no such thing.
+        self_measurement: tables of self-measurement removal; None: it is off.
+        memory: size and table of the memory of seen points; None: there is none.
+        circulation: whether there is circulation.
     """
 
     robot: str
@@ -191,11 +221,20 @@ class Program:
     sources: dict[str, str]
     method: str = "proposed"
     self_points: tuple[SelfPointEntry, ...] = ()
+    self_measurement: SelfMeasurement | None = None
+    memory: Memory | None = None
+    circulation: bool = False
 
     @property
     def additions(self) -> tuple[str, ...]:
         """What is switched on beyond the paper's method, in the order of `ADDITIONS`."""
-        on = {"self_collision": bool(self.self_points), self.method: True}
+        on = {
+            "self_measurement": self.self_measurement is not None,
+            "memory": self.memory is not None,
+            "circulation": self.circulation,
+            "self_collision": bool(self.self_points),
+            self.method: True,
+        }
         return tuple(name for name in ADDITIONS if on.get(name, False))
 
     @property

@@ -50,6 +50,7 @@ def dimensions(program: Program) -> dict[str, int]:
         "max_points": program.max_points,
         "rows": len(program.row_names),
         **({"self_points": len(program.self_points)} if program.self_points else {}),
+        **({"memory_capacity": program.memory.capacity} if program.memory else {}),
     }
 
 
@@ -60,6 +61,10 @@ def _additions(program: Program) -> dict[str, Any]:
     entries: dict[str, Any] = {"additions": program.additions, "row_names": program.row_names}
     if program.self_points:
         entries["self_points"] = [asdict(entry) for entry in program.self_points]
+    if program.self_measurement:
+        entries["self_measurement"] = asdict(program.self_measurement)
+    if program.memory:
+        entries["memory"] = asdict(program.memory)
     return entries
 
 

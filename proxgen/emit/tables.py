@@ -77,6 +77,47 @@ def self_pair_rows(program: Program) -> list[str]:
     ]
 
 
+def ray_rows(program: Program) -> list[str]:
+    """Per range sensor the rays along which it may see the arm; empty without self-measurement removal."""
+    if program.self_measurement is None:
+        return []
+    rays = program.self_measurement.rays
+    rows = [
+        f"  {{{', '.join(braces(ray) for ray in five)}}}, /* {comment_text(sensor.name)} */"
+        for sensor, five in zip(program.tof, rays, strict=True)
+    ]
+    return rows or ["  {{0.0}}, /* none: C has no empty tables */"]
+
+
+def cone_rows(program: Program) -> list[str]:
+    """Per switch its reach and its cone; empty without self-measurement removal."""
+    if program.self_measurement is None:
+        return []
+    cones = program.self_measurement.cones
+    rows = [
+        f"  {braces(cone)}, /* {comment_text(switch.name)} */"
+        for switch, cone in zip(program.capacitive, cones, strict=True)
+    ]
+    return rows or ["  {0.0, 0.0}, /* none: C has no empty tables */"]
+
+
+def see_through_rows(program: Program) -> list[str]:
+    """Per range sensor how far off its axis it sees through; empty without a memory."""
+    if program.memory is None:
+        return []
+    rows = [
+        f"  {number(cosine)}, /* {comment_text(sensor.name)} */"
+        for sensor, cosine in zip(program.tof, program.memory.see_through, strict=True)
+    ]
+    return rows or ["  0.0, /* none: C has no empty tables */"]
+
+
+def linear_rows(program: Program) -> str:
+    """Where x, y and z are among the task's rows, as an initialiser; -1 for a row that the task lacks."""
+    names = program.task_row_names
+    return f"{{{', '.join(str(names.index(axis) if axis in names else -1) for axis in 'xyz')}}}"
+
+
 def _dimension(parameter: Parameter) -> str:
     """C dimension of a parameter: nothing or `[7]`."""
     return f"[{parameter.shape[0]}]" if parameter.shape else ""

@@ -10,6 +10,7 @@ from proxgen.model import RobotModel
 from proxgen.model.robot_model import Array, SensorModule
 from proxgen.program import CapsuleEntry, Kernel, Parameter, Program, SelfPointEntry, SensorEntry
 from proxgen.symbolic import kernels
+from proxgen.symbolic.additions import memory, self_measurement
 from proxgen.symbolic.parameters import parameters
 
 
@@ -65,17 +66,18 @@ def build_program(config: Config, model: RobotModel) -> Program:
         sources={"proxgen": __version__, "casadi": version("casadi")},
         method=config.avoidance.method,
         self_points=_self_point_table(model, bodies),
+        self_measurement=self_measurement(config, model),
+        memory=memory(config, model),
+        circulation=config.avoidance.circulation.enabled,
     )
 
 
 def _refuse_additions(config: Config) -> None:
     """Never generate a controller that leaves out what its configuration asks for."""
-    avoidance, skin = config.avoidance, config.skin
+    avoidance = config.avoidance
     asked = {
         f"avoidance.method: {avoidance.method}": avoidance.method != "proposed",
-        "avoidance.circulation": avoidance.circulation.enabled,
-        "skin.memory": skin.memory.enabled,
-        "skin.self_measurement": skin.self_measurement.enabled,
+        "avoidance.self_collision": bool(avoidance.self_collision.points),
     }
     if names := [name for name, on in asked.items() if on]:
         raise GenerateError(f"only the reference has {', '.join(names)}; switch it off to generate code")

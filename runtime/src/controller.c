@@ -14,6 +14,12 @@ static void forget(pg_controller_t *controller) {
   memset(controller->qdot_previous, 0, sizeof controller->qdot_previous);
   controller->has_time = 0;
   controller->time_previous = 0.0;
+#if PG_MEMORY_CAPACITY > 0
+  memset(controller->memory, 0, sizeof controller->memory);
+#endif
+#if PG_CIRCULATION
+  pg_circulation_reset(&controller->circulation);
+#endif
   pg_solver_reset(controller->solver);
 }
 

@@ -22,11 +22,28 @@ static void brake(const pg_controller_t *controller, double qdot[PG_N]) {
     qdot[j] = lb[j] > 0.0 ? lb[j] : ub[j] < 0.0 ? ub[j] : 0.0;
 }
 
+/* What additions say of a cycle that they did not take part in: nothing. */
+static void forget_additions(pg_diagnostics_t *cycle) {
+#if PG_SELF_MEASUREMENT
+  cycle->self_readings = 0;
+#endif
+#if PG_MEMORY_CAPACITY > 0
+  cycle->memory_points = 0;
+#endif
+#if PG_CIRCULATION
+  cycle->circulating = 0;
+  for (int i = 0; i < 3; i++)
+    cycle->tangent[i] = NAN;
+#endif
+  (void)cycle;
+}
+
 /* Diagnostics of a cycle in which nothing has happened yet. */
 static void begin(pg_diagnostics_t *cycle) {
   memset(cycle->row_on, 0, sizeof cycle->row_on);
   cycle->kkt_residual = NAN;
   cycle->iterations = cycle->solves = cycle->second_chances = 0;
+  forget_additions(cycle);
 }
 
 /* Steps 0 to 7 up to a decision. Bounds are always written; a solution only if the status is a success. */
@@ -44,10 +61,14 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
 
   pg_model_kinematics(q, &controller->kinematics);
   status = pg_find_nearest(controller, seen);
-  if (status != PG_SOLVED) return status;
-#if PG_SELF_POINTS
-  status = pg_find_own(controller);
-  if (status != PG_SOLVED) return status;
+  if (status != PG_SOLVED) {
+    forget_additions(cycle);
+    return status;
+  }
+#if PG_CIRCULATION
+  double circulating_xdot[PG_M];
+  pg_circulate(controller, xdot, circulating_xdot);
+  xdot = circulating_xdot;
 #endif
   pg_write_rows(controller);
   pg_model_objective(p, &controller->kinematics, q, xdot, cycle->H, cycle->g, &cycle->manipulability,

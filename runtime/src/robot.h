@@ -35,16 +35,27 @@
 #define pg_solver_solve        PG_NAME(internal_solver_solve)
 #define pg_test_hook           PG_NAME(internal_test_hook)
 
-/* Additions that binding.h does not name are off, and nothing of them is compiled. */
-#ifndef PG_SELF_POINTS
-#define PG_SELF_POINTS 0
+/* Additions to the method: what binding.h does not name is off, and costs nothing. */
+#ifndef PG_SELF_MEASUREMENT
+#define PG_SELF_MEASUREMENT 0
+#endif
+#ifndef PG_MEMORY_CAPACITY
+#define PG_MEMORY_CAPACITY 0
+#endif
+#ifndef PG_CIRCULATION
+#define PG_CIRCULATION 0
 #endif
 
-#define pg_find_own       PG_NAME(internal_find_own)
-#define pg_write_own_rows PG_NAME(internal_write_own_rows)
-#define pg_dropped_at     PG_NAME(internal_dropped_at)
-#define pg_basis          PG_NAME(internal_basis)
-#define pg_tangents       PG_NAME(internal_tangents)
-#define pg_linear_part    PG_NAME(internal_linear_part)
+#define pg_range_shows_arm   PG_NAME(internal_range_shows_arm)
+#define pg_switch_shows_arm  PG_NAME(internal_switch_shows_arm)
+#define pg_memory_forget     PG_NAME(internal_memory_forget)
+#define pg_memory_store      PG_NAME(internal_memory_store)
+#define pg_circulate         PG_NAME(internal_circulate)
+#define pg_circulation_reset PG_NAME(internal_circulation_reset)
+#define pg_basis             PG_NAME(internal_basis)
+#define pg_tangents          PG_NAME(internal_tangents)
+#define pg_linear_part       PG_NAME(internal_linear_part)
+#define pg_set_linear_part   PG_NAME(internal_set_linear_part)
+#define pg_only_task_axes    PG_NAME(internal_only_task_axes)
 
 #endif

@@ -7,86 +7,142 @@
 
 #include <math.h>
 
-/* A capsule's axis in the world, and the nearest point to it so far. */
+/* Closer than this to an axis there is no direction to leave it. */
+#define INSIDE 1e-6 /* [m] */
+
+/* The nearest point to a capsule so far. */
 typedef struct {
-  pg_segment_t segment;
   double displaced_below; /* [m^2] a point whose squared distance to the axis is less takes the place */
   double point[3];        /* [m] world; valid if `found` */
   int found;
 } candidate_t;
+
+/* The capsules' axes in the world, and what is near them. */
+typedef struct {
+  pg_segment_t axes[PG_CAPSULES];
+  candidate_t candidates[PG_CAPSULES];
+} field_t;
 
 static double influence_distance(const pg_parameters_t *p) {
   return PG_D_ON(p) > PG_D_ACTIVE(p) ? PG_D_ON(p) : PG_D_ACTIVE(p);
 }
 
 /* Capsules move with their bodies; points that are too far for them are left out from the start. */
-static void place_capsules(const pg_controller_t *controller, candidate_t candidates[PG_CAPSULES]) {
+static void place_capsules(const pg_controller_t *controller, field_t *field) {
   for (int l = 0; l < PG_CAPSULES; l++) {
     const pg_capsule_t *capsule = &pg_model_capsules[l];
-    pg_place(controller->kinematics.body_to_world[capsule->body], capsule->start, capsule->end,
-             &candidates[l].segment);
+    const double *pose = controller->kinematics.body_to_world[capsule->body];
+    pg_segment_t *segment = &field->axes[l];
+    double end[3];
+    pg_transform(pose, capsule->start, segment->start);
+    pg_transform(pose, capsule->end, end);
+    for (int i = 0; i < 3; i++)
+      segment->axis[i] = end[i] - segment->start[i];
+    const double squared_length = pg_dot(segment->axis, segment->axis);
+    segment->inverse_squared_length = squared_length > 0.0 ? 1.0 / squared_length : 0.0;
 
     /* A little more than needed: the distance itself decides at the end. */
     const double reach =
         (influence_distance(&controller->parameters) + capsule->reference_radius) * (1.0 + 1e-9);
-    candidates[l].displaced_below = reach * reach;
-    candidates[l].found = 0;
+    field->candidates[l].displaced_below = reach * reach;
+    field->candidates[l].found = 0;
   }
 }
 
 /* Offers an obstacle point to all capsules; of points that are equally near the first is kept. */
-static inline void offer(candidate_t candidates[PG_CAPSULES], const double point[3]) {
+static inline void offer(field_t *field, const double point[3]) {
   for (int l = 0; l < PG_CAPSULES; l++) {
+    candidate_t *candidate = &field->candidates[l];
     double d[3], t;
-    const double squared_distance = pg_from_segment(&candidates[l].segment, point, d, &t);
-    if (squared_distance < candidates[l].displaced_below) {
+    const double squared_distance = pg_from_segment(&field->axes[l], point, d, &t);
+    if (squared_distance < candidate->displaced_below) {
       const double nearer = sqrt(squared_distance) - PG_SAME_DISTANCE;
-      candidates[l].displaced_below = nearer > 0.0 ? nearer * nearer : 0.0;
+      candidate->displaced_below = nearer > 0.0 ? nearer * nearer : 0.0;
       for (int i = 0; i < 3; i++)
-        candidates[l].point[i] = point[i];
-      candidates[l].found = 1;
+        candidate->point[i] = point[i];
+      candidate->found = 1;
     }
   }
 }
 
-/* Offers the point that a sensor sees at `range` along its normal: h = o + r n. */
-static inline void offer_reading(const pg_kinematics_t *kinematics, const pg_sensor_t *sensor, double range,
-                                 candidate_t candidates[PG_CAPSULES]) {
-  double seen[3], point[3];
-  for (int i = 0; i < 3; i++)
-    seen[i] = sensor->position[i] + range * sensor->normal[i];
-  pg_transform(kinematics->body_to_world[sensor->body], seen, point);
-  offer(candidates, point);
+/* Range sensors that see something: h = o + r n, unless it is the arm itself. */
+static void offer_ranges(pg_controller_t *controller, const pg_measurement_t *seen, field_t *field) {
+  for (int i = 0; i < PG_TOF; i++) {
+    const pg_sensor_t *sensor = &pg_model_tof[i];
+    const double reading = seen->tof_range[i];
+    double point[3];
+    if (!(reading < sensor->range)) continue;
+#if PG_SELF_MEASUREMENT
+    if (pg_range_shows_arm(controller, field->axes, i, reading)) {
+      controller->cycle.self_readings++;
+      continue;
+    }
+#endif
+    pg_look(controller->kinematics.body_to_world[sensor->body], sensor->position, sensor->normal, reading,
+            point);
+    offer(field, point);
+#if PG_MEMORY_CAPACITY > 0
+    pg_memory_store(controller, field->axes, point, seen->time);
+#endif
+  }
+}
+
+/* Switches that are closed stand for a point at their virtual distance, unless the arm itself may close
+ * them. */
+static void offer_switches(pg_controller_t *controller, const pg_measurement_t *seen, field_t *field) {
+  for (int i = 0; i < PG_CAPACITIVE; i++) {
+    const pg_sensor_t *sensor = &pg_model_capacitive[i];
+    double point[3];
+    if (!seen->capacitive[i]) continue;
+#if PG_SELF_MEASUREMENT
+    if (pg_switch_shows_arm(controller, field->axes, i)) {
+      controller->cycle.self_readings++;
+      continue;
+    }
+#endif
+    pg_look(controller->kinematics.body_to_world[sensor->body], sensor->position, sensor->normal,
+            sensor->range, point);
+    offer(field, point);
+  }
+}
+
+/* Step 2: all obstacle points in their order. */
+static void offer_all(pg_controller_t *controller, const pg_measurement_t *seen, field_t *field) {
+#if PG_MEMORY_CAPACITY > 0
+  pg_memory_forget(controller, field->axes, seen);
+#endif
+  offer_ranges(controller, seen, field);
+  offer_switches(controller, seen, field);
+  for (int i = 0; i < seen->point_count; i++)
+    offer(field, &seen->points[3 * i]);
+#if PG_MEMORY_CAPACITY > 0
+  for (int k = 0; k < PG_MEMORY_CAPACITY; k++)
+    if (controller->memory[k].used) {
+      offer(field, controller->memory[k].point);
+      controller->cycle.memory_points++;
+    }
+#endif
 }
 
 /* Fills in distance and direction of a capsule's nearest point; returns 0 if the point is on the axis. */
-static int measure(const candidate_t *candidate, double reference_radius, double influence,
+static int measure(const pg_segment_t *axis, const double point[3], double reference_radius, double influence,
                    pg_nearest_t *nearest) {
   double d[3], t;
-  const double norm = sqrt(pg_from_segment(&candidate->segment, candidate->point, d, &t));
+  const double norm = sqrt(pg_from_segment(axis, point, d, &t));
   nearest->distance = norm - reference_radius;
   nearest->found = nearest->distance <= influence;
-  if (norm < PG_INSIDE) return 0;
+  if (norm < INSIDE) return 0;
   for (int i = 0; i < 3; i++) {
-    nearest->closest[i] = candidate->segment.start[i] + t * candidate->segment.axis[i];
+    nearest->closest[i] = axis->start[i] + t * axis->axis[i];
     nearest->direction[i] = d[i] / norm;
   }
   return 1;
 }
 
 pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t *seen) {
-  const pg_kinematics_t *kinematics = &controller->kinematics;
-  candidate_t candidates[PG_CAPSULES];
-  place_capsules(controller, candidates);
-
-  for (int i = 0; i < PG_TOF; i++)
-    if (seen->tof_range[i] < pg_model_tof[i].range)
-      offer_reading(kinematics, &pg_model_tof[i], seen->tof_range[i], candidates);
-  for (int i = 0; i < PG_CAPACITIVE; i++)
-    if (seen->capacitive[i])
-      offer_reading(kinematics, &pg_model_capacitive[i], pg_model_capacitive[i].range, candidates);
-  for (int i = 0; i < seen->point_count; i++)
-    offer(candidates, &seen->points[3 * i]);
+  field_t field;
+  place_capsules(controller, &field);
+  offer_all(controller, seen, &field);
 
   const double influence = influence_distance(&controller->parameters);
   pg_diagnostics_t *cycle = &controller->cycle;
@@ -94,12 +150,13 @@ pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t 
   for (int l = 0; l < PG_CAPSULES; l++) {
     pg_nearest_t *nearest = &controller->nearest[l];
     nearest->found = 0;
-    if (candidates[l].found &&
-        !measure(&candidates[l], pg_model_capsules[l].reference_radius, influence, nearest))
+    const candidate_t *candidate = &field.candidates[l];
+    if (candidate->found &&
+        !measure(&field.axes[l], candidate->point, pg_model_capsules[l].reference_radius, influence, nearest))
       inside = 1;
     cycle->distance[l] = nearest->found ? nearest->distance : INFINITY;
     for (int i = 0; i < 3; i++)
-      cycle->nearest_point[3 * l + i] = nearest->found ? candidates[l].point[i] : NAN;
+      cycle->nearest_point[3 * l + i] = nearest->found ? candidate->point[i] : NAN;
   }
   return inside ? PG_FAULT_OBSTACLE_INSIDE : PG_SOLVED;
 }

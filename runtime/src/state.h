@@ -2,6 +2,7 @@
 #ifndef PROXGEN_STATE_H
 #define PROXGEN_STATE_H
 
+#include "geometry.h"
 #include "solver.h"
 
 /* The obstacle point that is nearest to a capsule. */
@@ -12,26 +13,25 @@ typedef struct {
   double direction[3]; /* unit vector from p to the obstacle point, world */
 } pg_nearest_t;
 
-#if PG_SELF_POINTS
-/* The point that the arm carries and that is nearest to a capsule. */
+/* A slot of the memory of seen points. */
 typedef struct {
-  int found;         /* 1 if there is a point within self_d_a */
-  int carrier;       /* body that carries it */
-  double distance;   /* [m] between surfaces */
-  double length;     /* [m] from the capsule's axis */
-  double closest[3]; /* [m] p on the axis, world */
-  double point[3];   /* [m] h, world */
-  double apart[3];   /* [m] h - p */
-} pg_own_t;
-#endif
+  double point[3]; /* [m] world */
+  double time;     /* [s] when it was last seen */
+  int used;
+} pg_slot_t;
+
+/* What circulation remembers, by the names of docs/method.md. */
+typedef struct {
+  int circulating; /* the phase */
+  double tangent[3];
+  double stalled, clear, failing, running, since; /* [s] */
+  double blend;
+} pg_circulation_t;
 
 struct PG_NAME(controller) {
   pg_parameters_t parameters;
   pg_kinematics_t kinematics;
   pg_nearest_t nearest[PG_CAPSULES];
-#if PG_SELF_POINTS
-  pg_own_t own[PG_CAPSULES];
-#endif
   pg_diagnostics_t cycle; /* the QP of this cycle, and how it was decided */
   pg_counters_t counters;
 
@@ -39,6 +39,12 @@ struct PG_NAME(controller) {
   double qdot_previous[PG_N];
   double time_previous;
   int has_time;
+#if PG_MEMORY_CAPACITY > 0
+  pg_slot_t memory[PG_MEMORY_CAPACITY];
+#endif
+#if PG_CIRCULATION
+  pg_circulation_t circulation;
+#endif
 
   double ubA[PG_ROWS];      /* right-hand sides of the stage that is being solved */
   double softness[PG_ROWS]; /* 1/rho of soft rows, 0 in staged mode */
@@ -49,23 +55,21 @@ struct PG_NAME(controller) {
   _Alignas(16) unsigned char solver_memory[PG_SOLVER_MEMORY];
 };
 
-/* Slots of self-collision, one per capsule, are the last ones. */
-#define PG_FIRST_SELF_ROW (PG_CAPSULES + PG_ACTIVE_ROW)
-
 /* Distances that differ by no more count as equal: switches around a link are equally far from its axis,
  * often as far as a threshold, and rounding must not decide. */
 #define PG_SAME_DISTANCE 1e-9 /* [m] */
 
 /* Distances beyond which something changes, by schedule. */
 #if PG_SCHEDULE_DAMPER
-#define PG_D_ON(parameters)       ((parameters)->damper_influence + PG_SAME_DISTANCE)
+#define PG_ONSET(parameters)      ((parameters)->damper_influence)
 #define PG_D_DISTANT(parameters)  ((parameters)->damper_safety + PG_SAME_DISTANCE)
 #define PG_D_CRITICAL(parameters) ((parameters)->damper_safety + PG_SAME_DISTANCE)
 #else
-#define PG_D_ON(parameters)       ((parameters)->d_a + PG_SAME_DISTANCE)
+#define PG_ONSET(parameters)      ((parameters)->d_a)
 #define PG_D_DISTANT(parameters)  ((parameters)->d_0u + PG_SAME_DISTANCE)
 #define PG_D_CRITICAL(parameters) ((parameters)->d_r + PG_SAME_DISTANCE)
 #endif
+#define PG_D_ON(parameters)     (PG_ONSET(parameters) + PG_SAME_DISTANCE)
 #define PG_D_ACTIVE(parameters) ((parameters)->d_active + PG_SAME_DISTANCE)
 
 /* 1 if q is finite and no further outside its limits than the tolerance: bounds by position mean
@@ -79,18 +83,25 @@ pg_status_t pg_check_input(pg_controller_t *controller, const double q[PG_N], co
 /* Steps 2 and 3: PG_SOLVED, or PG_FAULT_OBSTACLE_INSIDE. Needs the kinematics of step 1. */
 pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t *seen);
 
+/* Self-measurement removal: 1 if the arm itself explains what range sensor `sensor` reads, or that switch
+ * `sensor` is closed. The axes are those of the capsules in the world. */
+int pg_range_shows_arm(const pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES], int sensor,
+                       double reading);
+int pg_switch_shows_arm(const pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES], int sensor);
+
+/* Memory of seen points: frees slots that are old, in the arm, or seen through; stores a point of a range
+ * sensor. The controller then takes the points of all used slots for obstacles. */
+void pg_memory_forget(pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES],
+                      const pg_measurement_t *seen);
+void pg_memory_store(pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES], const double point[3],
+                     double time);
+
+/* Circulation: the task velocity to be used in place of `wanted`. Needs step 3. */
+void pg_circulate(pg_controller_t *controller, const double wanted[PG_M], double xdot[PG_M]);
+void pg_circulation_reset(pg_circulation_t *circulation);
+
 /* Step 4. */
 void pg_write_rows(pg_controller_t *controller);
-
-#if PG_SELF_POINTS
-/* Steps 3 and 4 for the points that the arm carries. */
-pg_status_t pg_find_own(pg_controller_t *controller);
-void pg_write_own_rows(pg_controller_t *controller);
-#endif
-
-/* The stage of the ladder from which a row that is on is dropped; PG_KEPT: none. */
-pg_status_t pg_dropped_at(const pg_controller_t *controller, int slot);
-#define PG_KEPT PG_STOPPED_INFEASIBLE
 
 /* Steps 6 and 7: leaves a certified solution and returns its stage, or the reason why there is none. In
  * ladder.c or slack.c, as the robot's relaxation is. */

@@ -47,10 +47,22 @@ void pg_tangents(const double direction[3], double candidates[PG_TANGENTS][3]) {
   }
 }
 
+/* Where x, y, z are among the rows of the task; -1: it lacks the row. */
+static const int ROWS[3] = PG_LINEAR_ROWS;
+
 void pg_linear_part(const double velocity[PG_M], double linear[3]) {
-  static const int rows[3] = PG_LINEAR_ROWS; /* of the task; -1: it lacks the row */
   for (int i = 0; i < 3; i++)
-    linear[i] = rows[i] >= 0 ? velocity[rows[i]] : 0.0;
+    linear[i] = ROWS[i] >= 0 ? velocity[ROWS[i]] : 0.0;
+}
+
+void pg_set_linear_part(const double linear[3], double velocity[PG_M]) {
+  for (int i = 0; i < 3; i++)
+    if (ROWS[i] >= 0) velocity[ROWS[i]] = linear[i];
+}
+
+void pg_only_task_axes(double vector[3]) {
+  for (int i = 0; i < 3; i++)
+    if (ROWS[i] < 0) vector[i] = 0.0;
 }
 
 #endif

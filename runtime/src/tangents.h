@@ -24,4 +24,10 @@ void pg_tangents(const double direction[3], double candidates[PG_TANGENTS][3]);
 /* The rows x, y, z of a task velocity; 0 for those that the task lacks. */
 void pg_linear_part(const double velocity[PG_M], double linear[3]);
 
+/* Puts x, y, z into the rows that the task has. */
+void pg_set_linear_part(const double linear[3], double velocity[PG_M]);
+
+/* Sets to 0 what the task lacks of x, y, z. */
+void pg_only_task_axes(double vector[3]);
+
 #endif

@@ -121,7 +121,13 @@ class Kit:
 def render_header(name: str, robot: str) -> str:
     """A public header for the hand-written arm, from the template of the generated ones."""
     loader = PackageLoader("proxgen.emit")
-    environment = Environment(loader=loader, undefined=StrictUndefined, keep_trailing_newline=True)
+    environment = Environment(
+        loader=loader,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
     values = {
         "robot": robot,
         "X": robot.upper(),

@@ -298,6 +298,7 @@ class _LazyDiagnostics(Diagnostics):
         values["A"] = record["A"].reshape(-1, n).copy()
         values["nearest_point"] = record["nearest_point"].reshape(-1, 3).copy()
         values["row_on"] = record["row_on"].astype(bool)
+        values["circulating"] = bool(values["circulating"])
         state.update(values)
         return values[name]
 

@@ -34,6 +34,9 @@ LEAST_CANDIDATE = 0.5
 FREE_NORMAL, FREE_TANGENT = 0.2, 0.5
 """The way is clear if it hardly points at the obstacle, or along the surface it goes with the tangent."""
 
+SAME = 1e-9
+"""Speeds [m/s] and parts of unit vectors that differ by no more are equal to what they are held against."""
+
 NEAREST_WEIGHTED = 1e-3
 """Least distance in the weights of other obstacles [m]."""
 
@@ -126,7 +129,7 @@ class Circulation:
     def _watch(self, now: Situation, p: Parameters) -> None:
         """Phase 0: has the tool been blocked for long?"""
         progress = float(now.direction @ now.velocity)
-        slow = now.speed > MOVING and progress < p.stall_fraction * now.speed
+        slow = now.speed > MOVING + SAME and progress < p.stall_fraction * now.speed - SAME
         self._since += p.period
         if now.normal is None or not slow:
             self._stalled = max(0.0, self._stalled - p.period)
@@ -143,10 +146,10 @@ class Circulation:
         self._running += p.period
         if now.normal is not None:
             along = self._task.only(self.tangent - (self.tangent @ now.normal) * now.normal)
-            if np.linalg.norm(along) > LEAST_SURFACE_PART:
+            if np.linalg.norm(along) > LEAST_SURFACE_PART + SAME:
                 self.tangent = along / np.linalg.norm(along)
         self._clear = self._clear + p.period if self._is_clear(now) else 0.0
-        if self.tangent @ now.velocity < p.stall_fraction * p.circulation_speed:
+        if self.tangent @ now.velocity < p.stall_fraction * p.circulation_speed - SAME:
             self._failing += p.period
         else:
             self._failing = max(0.0, self._failing - p.period)
@@ -160,17 +163,22 @@ class Circulation:
 
     def _is_clear(self, now: Situation) -> bool:
         """Whether the task velocity can be followed again."""
-        if now.normal is None or now.speed <= MOVING:
+        if now.normal is None or now.speed <= MOVING + SAME:
             return True
         towards = float(now.direction @ now.normal)
         along = now.direction - max(0.0, towards) * now.normal
-        return towards < FREE_NORMAL or float(along @ self.tangent) > FREE_TANGENT
+        return towards < FREE_NORMAL - SAME or float(along @ self.tangent) > FREE_TANGENT + SAME
 
     def _choose(self, now: Situation, normal: Array, keep: float, p: Parameters) -> None:
-        """Take the tangent with the greatest score; none is left if the task has no row along the surface."""
+        """Take the tangent with the greatest score; none is left if the task has no row along the surface.
+
+        A normal of 0, where nothing is near and nothing is asked for, has no tangents.
+        """
+        if not normal.any():
+            return
         candidates = self._task.only(tangents_of(normal))
         length = np.sqrt((candidates * candidates).sum(axis=1))
-        usable = length >= LEAST_CANDIDATE
+        usable = length >= LEAST_CANDIDATE - SAME
         if not usable.any():
             return
         candidates = candidates[usable] / length[usable, None]

@@ -61,8 +61,9 @@ class PointMemory:
         offset = self._point - self._places.points(arm, every, np.zeros(len(readings)))[:, None]
         length = np.sqrt((offset * offset).sum(axis=2))
         along = (offset * self._places.normals(arm, every)[:, None]).sum(axis=2)
-        nearer = length < readings[:, None] - margin
-        self._used &= ~(nearer & (along >= self._cosine[:, None] * length)).any(axis=0)
+        nearer = length < readings[:, None] - margin - SAME_DISTANCE
+        in_cone = along >= self._cosine[:, None] * length - SAME_DISTANCE
+        self._used &= ~(nearer & in_cone).any(axis=0)
 
     def _near(self, arm: Arm, points: Array, reach: float) -> Array:
         """Those of the points (K, 3) that are within reach of some capsule's axis."""

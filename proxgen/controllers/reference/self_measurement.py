@@ -58,7 +58,7 @@ class SelfMeasurement:
         offset = closest_on_segments(origin, *self._capsules.place(arm)) - origin
         length = np.sqrt((offset * offset).sum(axis=2))
         gap = length - self._capsules.radius[:, None] - margin
-        in_cone = (offset * normal).sum(axis=2) >= self._cosine[which] * length
+        in_cone = (offset * normal).sum(axis=2) >= self._cosine[which] * length - SAME_DISTANCE
         near = gap <= self._trigger[which] + SAME_DISTANCE
         return _any_seen((gap <= SAME_DISTANCE) | (near & in_cone), self._switch_sees[which])
 

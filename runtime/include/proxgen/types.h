@@ -65,6 +65,12 @@ typedef struct {
   double radius;      /* [m] of the ball; 0 for a point */
 } pg_self_point_t;
 
+/* Where a switch notices something, of robots that remove what their sensors see of themselves. */
+typedef struct {
+  double reach;  /* [m] */
+  double cosine; /* of half the opening angle around the normal */
+} pg_cone_t;
+
 #ifdef __cplusplus
 }
 #endif
