@@ -47,3 +47,11 @@ def any_config(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
 def any_model(any_config: Config) -> RobotModel:
     """Their models."""
     return build_model(any_config)
+
+
+@pytest.fixture
+def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Few pixels, so that many figures can be drawn."""
+    from proxgen.report import style
+
+    monkeypatch.setattr(style, "DPI", 40)

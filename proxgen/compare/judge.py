@@ -42,7 +42,8 @@ class Tolerances:
 
 
 QUANTITIES = (
-    "qdot", "slack", "H", "g", "A", "ubA", "lb", "ub", "distance", "kkt_residual", "bound_penetration",
+    "qdot", "slack", "H", "g", "A", "ubA", "lb", "ub", "distance", "self_distance", "kkt_residual",
+    "bound_penetration",
 )  # fmt: skip
 """What is measured in every cycle; nan where a cycle does not have it."""
 
@@ -104,6 +105,7 @@ class Judge:
         if not candidate.status.fault and not reference.status.fault:
             pairs |= {name: (getattr(mine, name), getattr(theirs, name)) for name in ("H", "g", "lb", "ub")}
             pairs["distance"] = mine.distance, theirs.distance
+            pairs["self_distance"] = mine.self_distance, theirs.self_distance
             both = mine.row_on & theirs.row_on
             pairs["A"] = _where(both, mine.A), _where(both, theirs.A)
             pairs["ubA"] = _where(both, mine.ubA), _where(both, theirs.ubA)
@@ -164,7 +166,7 @@ class Judge:
 
 def _check_shapes(mine: Diagnostics, theirs: Diagnostics) -> None:
     """Refuse to compare different arms."""
-    for name in ("H", "g", "A", "ubA", "lb", "ub", "row_on", "distance", "slack"):
+    for name in ("H", "g", "A", "ubA", "lb", "ub", "row_on", "distance", "slack", "self_distance"):
         a, b = np.shape(getattr(mine, name)), np.shape(getattr(theirs, name))
         if a != b:
             raise CompareError(

@@ -1,7 +1,8 @@
 """Random states and readings for a comparison without a simulation, those that hurt included.
 
 Obstacle points crowd around the arm at the distances where the laws have their corners, so that most QPs have
-several rows that conflict; some joints are at or beyond their limits; some inputs are faults.
+several rows that conflict; some joints are at or beyond their limits; some inputs are faults. An arm with
+self-collision is often folded, so that its own points are about as far apart as those laws have corners.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,10 +14,17 @@ from numpy.typing import NDArray
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array, Measurement
 from proxgen.model.kinematics import body_poses
+from proxgen.model.posture import Posture
 from proxgen.model.robot_model import RobotModel
 
 UNLIMITED = 1e10
 """A position limit beyond this is none."""
+
+FOLDED = 0.7
+"""Probability that an arm with self-collision is folded."""
+
+TRIES = 24
+"""Postures among which the one is chosen that is folded as wanted."""
 
 
 @dataclass(frozen=True)
@@ -63,12 +71,31 @@ def _joint_positions(config: Config, model: RobotModel, rng: np.random.Generator
     lower = np.where(model.q_lower < -UNLIMITED, -np.pi, model.q_lower)
     upper = np.where(model.q_upper > UNLIMITED, np.pi, model.q_upper)
     q = rng.uniform(lower, upper)
+    if model.self_points and rng.random() < FOLDED:
+        q = _folded(config, model, rng.uniform(lower, upper, (TRIES, model.n)), rng)
     limited, kind = np.flatnonzero(model.q_upper <= UNLIMITED), rng.random()
     if kind < 0.1 and limited.size:
         joint, beyond = int(rng.choice(limited)), 0.0 if kind < 0.05 else 0.9 * config.limits.tolerance
         at_upper = rng.random() < 0.5
         q[joint] = upper[joint] + beyond if at_upper else lower[joint] - beyond
     return q
+
+
+def _folded(config: Config, model: RobotModel, postures: Array, rng: np.random.Generator) -> Array:
+    """Of postures (K, n) the one whose least distance of self-collision is closest to a random one."""
+    own = config.avoidance.self_collision
+    wanted = rng.uniform(-0.5 * own.d_r, 1.1 * own.d_a)
+    gaps = np.array([own_gaps(Posture(model, q)).min() for q in postures])
+    chosen: Array = postures[int(np.argmin(np.abs(gaps - wanted)))]
+    return chosen
+
+
+def own_gaps(posture: Posture) -> Array:
+    """Distances (P, L) of self points from capsules, between surfaces [m]; inf where they are no pair."""
+    points, poses = posture.model.self_points, posture.poses
+    centres = np.array([(poses[p.body] @ np.append(p.position, 1.0))[:3] for p in points])
+    gaps = posture.gaps(centres) - np.array([[p.radius] for p in points])
+    return np.where(np.array([p.capsules for p in points]), gaps, np.inf)
 
 
 def _measurement(

@@ -75,7 +75,8 @@ class Robot(Section):
     locked_joints: dict[str, Position] = Field(
         default_factory=dict,
         description="joints between base and tool that are held at a fixed position; joints on other "
-        "branches are always locked, at the position given here or the nearest to zero within their limits",
+        "branches are always locked, at the position given here or the nearest to zero within their limits; "
+        "nothing may lie on a branch that follows a controlled joint (mimic) unless it is locked here",
     )
 
     def contradictions(self) -> Iterator[Finding]:
@@ -142,7 +143,8 @@ class Limits(Section):
 
     position: dict[str, tuple[Position, Position]] = Field(
         default_factory=dict,
-        description="lower and upper position limit per joint, in place of the URDF's (11)",
+        description="lower and upper position limit per joint, in place of the URDF's (11); the URDF's "
+        "limits of joints that follow it (mimic) hold as well, also for the velocity",
     )
     velocity: dict[str, Annotated[float, JointSpeed(ge=1e-6, le=1e3)]] = Field(
         default_factory=dict, description="velocity limit per joint, in place of the URDF's (11)"

@@ -8,13 +8,21 @@ from proxgen.config.schema import ROWS_OF_KIND, Config
 from proxgen.errors import ConfigError, Problem, unknown_name
 from proxgen.model.buried import buried_cuffs
 from proxgen.model.frames import axis_basis
-from proxgen.model.robot_model import Array, CapsuleModel, RobotModel, SelfPointModel
+from proxgen.model.limits import joint_limits
+from proxgen.model.robot_model import CapsuleModel, RobotModel, SelfPointModel
 from proxgen.model.skin import sensor_modules
 from proxgen.model.touching import touching_pairs
-from proxgen.model.urdf import Urdf, drives, frame_named, parse_urdf, reduce_to_chain, unknown_frame
-
-UNLIMITED = 1e20
-"""Stands for a limit that does not exist; the runtime's PG_OFF."""
+from proxgen.model.urdf import (
+    Urdf,
+    chain_joints,
+    drives,
+    followed,
+    frame_named,
+    parse_urdf,
+    reduce_to_chain,
+    supporting_joints,
+    unknown_frame,
+)
 
 
 def build_model(config: Config) -> RobotModel:
@@ -37,8 +45,9 @@ def build_model(config: Config) -> RobotModel:
     if isinstance(chain, list):
         raise ConfigError(chain + _frame_problems(config, urdf.full))
     reduced, controlled = chain
-    limits, problems = _limits(config, urdf, controlled)
+    limits, problems = joint_limits(config, urdf, controlled)
     problems += _frame_problems(config, reduced) + _joint_name_problems(config, controlled)
+    problems += _branch_problems(config, urdf, controlled)
     if problems:
         raise ConfigError(problems)
     kind_rows = ROWS_OF_KIND[config.task.kind]
@@ -70,16 +79,37 @@ def build_model(config: Config) -> RobotModel:
 
 def _frame_problems(config: Config, pin_model: Any) -> list[Problem]:
     """Frames of capsules and cuffs that the model lacks."""
+    return [
+        config.problem(key, unknown_frame(pin_model, frame))
+        for key, frame in _named_frames(config)
+        if frame_named(pin_model, frame) is None
+    ]
+
+
+def _branch_problems(config: Config, urdf: Urdf, controlled: list[str]) -> list[Problem]:
+    """Frames on a branch that moves with a controlled joint: the chain would hold it still."""
+    locked, chain = config.robot.locked_joints, chain_joints(urdf, config.robot.tool)
+    problems = []
+    for key, name in _named_frames(config):
+        frame = frame_named(urdf.full, name)
+        for joint in () if frame is None else supporting_joints(urdf, frame):
+            leader, _, _ = followed(urdf, joint, locked)
+            if joint not in chain and joint != leader and leader in controlled:
+                message = (
+                    f"'{name}' moves with joint '{joint}', which follows '{leader}' but is not on the way to "
+                    "the tool; name a frame on that way, or hold the joint with robot.locked_joints"
+                )
+                problems.append(config.problem(key, message))
+    return problems
+
+
+def _named_frames(config: Config) -> list[tuple[str, str]]:
+    """Frames that carry something, each with its key."""
     named = [(f"capsules.{index}.frame", capsule.frame) for index, capsule in enumerate(config.capsules)]
     named += [(f"skin.cuffs.{index}.frame", cuff.frame) for index, cuff in enumerate(config.skin.cuffs)]
     points = config.avoidance.self_collision.points
-    named += [
+    return named + [
         (f"avoidance.self_collision.points.{index}.frame", point.frame) for index, point in enumerate(points)
-    ]
-    return [
-        config.problem(key, unknown_frame(pin_model, frame))
-        for key, frame in named
-        if frame_named(pin_model, frame) is None
     ]
 
 
@@ -96,38 +126,6 @@ def _joint_name_problems(config: Config, controlled: list[str]) -> list[Problem]
         for key, name in named
         if name not in controlled
     ]
-
-
-def _limits(config: Config, urdf: Urdf, controlled: list[str]) -> tuple[Array, list[Problem]]:
-    """Limits of every controlled joint, (n, 4): lower, upper, velocity, acceleration; and what is missing."""
-    table, problems = np.empty((len(controlled), 4)), []
-    for index, name in enumerate(controlled):
-        written = urdf.limits[name]
-        continuous = urdf.full.joints[urdf.full.getJointId(name)].nq == 2
-        if name in config.limits.position:
-            lower, upper = config.limits.position[name]
-        elif continuous:
-            lower, upper = -UNLIMITED, UNLIMITED
-        elif written.lower is None or written.upper is None or written.lower >= written.upper:
-            message = f"the URDF gives joint '{name}' no position limits; set limits.position.{name}"
-            problems.append(config.problem("limits.position", message))
-            lower, upper = -UNLIMITED, UNLIMITED
-        else:
-            lower, upper = written.lower, written.upper
-        velocity = config.limits.velocity.get(name, written.velocity or 0.0)
-        if velocity <= 0.0:
-            message = f"the URDF gives joint '{name}' no velocity limit above 0; set limits.velocity.{name}"
-            problems.append(config.problem("limits.velocity", message))
-        table[index] = lower, upper, velocity, _acceleration(config, name)
-    return table, problems
-
-
-def _acceleration(config: Config, name: str) -> float:
-    """Acceleration limit of a joint, UNLIMITED where none is configured."""
-    acceleration = config.limits.acceleration
-    if isinstance(acceleration, dict):
-        return acceleration.get(name, UNLIMITED)
-    return UNLIMITED if acceleration is None else acceleration
 
 
 def _capsules(config: Config, pin_model: Any) -> tuple[CapsuleModel, ...]:

@@ -1,7 +1,7 @@
 """URDF file to a reduced Pinocchio model of the chain from base to tool."""
 
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -96,7 +96,11 @@ def read_urdf(path: Path) -> Urdf:
 
 def chain_joints(urdf: Urdf, tool: str) -> list[str]:
     """Names of the moving joints from base to the tool frame, base first, mimic joints included."""
-    frame = frame_named(urdf.full, tool)
+    return supporting_joints(urdf, frame_named(urdf.full, tool))
+
+
+def supporting_joints(urdf: Urdf, frame: Any) -> list[str]:
+    """Names of the moving joints from base to a frame, base first."""
     return [urdf.full.names[index] for index in urdf.full.supports[frame.parentJoint] if index > 0]
 
 
@@ -193,7 +197,31 @@ def _joint_problem(config: Config, urdf: Urdf, chain: list[str], name: str) -> P
             f"joint '{name}' mimics '{mimic.joint}', which is not between the base and the tool; lock it"
         )
         return config.problem("robot.urdf", f"{message} with robot.locked_joints")
+    if followed(urdf, name)[0] in urdf.mimics:
+        message = (
+            f"joint '{name}' mimics '{urdf.mimics[name].joint}', which follows it in turn; none of them leads"
+        )
+        return config.problem("robot.urdf", message)
     return None
+
+
+def followed(urdf: Urdf, name: str, locked: Collection[str] = ()) -> tuple[str, float, float]:
+    """What a joint follows, chained mimics resolved: position = ratio * position of the leader + offset.
+
+    Args:
+        urdf: the whole robot.
+        name: a joint; one that follows no other leads itself.
+        locked: joints that are held, so that they follow no other.
+
+    Returns:
+        The leader's name, ratio and offset. Joints that follow each other in a circle lead nowhere.
+    """
+    ratio, offset, passed = 1.0, 0.0, {name}
+    while name not in locked and name in urdf.mimics and urdf.mimics[name].joint not in passed:
+        mimic = urdf.mimics[name]
+        ratio, offset, name = ratio * mimic.multiplier, offset + ratio * mimic.offset, mimic.joint
+        passed.add(name)
+    return name, ratio, offset
 
 
 def locked_position(urdf: Urdf, name: str, locked: Mapping[str, float] | None = None) -> float:
@@ -207,11 +235,8 @@ def locked_position(urdf: Urdf, name: str, locked: Mapping[str, float] | None = 
     Returns:
         As asked for; else where its mimic rule puts it; else nearest to zero within its limits [rad or m].
     """
-    locked, ratio, offset, passed = locked or {}, 1.0, 0.0, {name}
-    while name not in locked and name in urdf.mimics and urdf.mimics[name].joint not in passed:
-        mimic = urdf.mimics[name]
-        ratio, offset, name = ratio * mimic.multiplier, offset + ratio * mimic.offset, mimic.joint
-        passed.add(name)
+    locked = locked or {}
+    name, ratio, offset = followed(urdf, name, locked)
     limits = urdf.limits.get(name, UrdfLimits(None, None, None))
     lower = limits.lower or 0.0
     nearest = float(np.clip(0.0, lower, max(limits.upper or 0.0, lower)))
@@ -248,12 +273,9 @@ def drives(urdf: Urdf, reduced: Any, controlled: list[str]) -> tuple[Drive, ...]
     result, data = [], reduced.createData()
     pin.computeJointJacobians(reduced, data, pin.neutral(reduced))
     for index in range(1, reduced.njoints):
-        name, ratio, offset = reduced.names[index], 1.0, 0.0
-        while name in urdf.mimics:
-            mimic = urdf.mimics[name]
-            ratio, offset, name = ratio * mimic.multiplier, offset + ratio * mimic.offset, mimic.joint
+        leader, ratio, offset = followed(urdf, reduced.names[index])
         prismatic, axis = _axis(np.array(data.joints[index].S).ravel())
-        result.append(Drive(controlled.index(name), ratio, offset, prismatic, axis))
+        result.append(Drive(controlled.index(leader), ratio, offset, prismatic, axis))
     return tuple(result)
 
 

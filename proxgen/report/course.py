@@ -40,13 +40,16 @@ def course_figure(log: RolloutLog, tolerance: float | None = None) -> Figure:
     return figure
 
 
-def draw_sawtooth(axes: Axes, log: RolloutLog, tolerance: float | None = None) -> None:
+def draw_sawtooth(
+    axes: Axes, log: RolloutLog, tolerance: float | None = None, colour: str = style.BLUE
+) -> None:
     """Distance to the present target; every drop to the tolerance is a target reached."""
-    axes.plot(log.time, log.target_distance, color=style.BLUE)
+    axes.plot(log.time, log.target_distance, color=colour)
     reached = np.flatnonzero(np.diff(log.targets_reached))
     axes.plot(
         log.time[reached], log.target_distance[reached], linestyle="none", marker="o", markersize=4.5,
-        color=style.BLUE, markerfacecolor=style.PAPER, label=f"reached: {int(log.targets_reached[-1])}",
+        clip_on=False, zorder=3, color=colour, markerfacecolor=style.PAPER,
+        label=f"reached: {int(log.targets_reached[-1])}",
     )  # fmt: skip
     if tolerance is not None:
         axes.axhline(tolerance, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
@@ -62,12 +65,13 @@ def farthest(log: RolloutLog) -> float:
     return 1.55 * zones(log)[0].begin
 
 
-def draw_zones(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
+def draw_zones(axes: Axes, log: RolloutLog, labels: bool = True, shades: bool = True) -> None:
     """The thresholds as lines, and what the controller does below each of them as shades."""
     lowest, _ = axes.get_ylim()
     around = zones(log)
     for zone, end in zip(around, [*(zone.begin for zone in around[1:]), lowest], strict=True):
-        axes.axhspan(end, zone.begin, color=zone.shade, linewidth=0.0, zorder=0)
+        if shades:
+            axes.axhspan(end, zone.begin, color=zone.shade, linewidth=0.0, zorder=0)
         alarm = zone.shade == style.ALARM
         axes.axhline(zone.begin, color=style.VERMILLION if alarm else style.MUTED, linewidth=0.8, zorder=1)
     if labels:
@@ -80,12 +84,14 @@ def zone_legend(log: RolloutLog) -> list[Patch]:
     return [Patch(facecolor=zone.shade, edgecolor=style.GRID, label=zone.meaning) for zone in zones(log)]
 
 
-def draw_least_distance(axes: Axes, log: RolloutLog, labels: bool = True) -> None:
+def draw_least_distance(
+    axes: Axes, log: RolloutLog, labels: bool = True, shades: bool = True, colour: str = style.INK
+) -> None:
     """True distance of whichever link is nearest to any obstacle, over the zones of the approach law."""
     least = least_distance(log)
     axes.set_ylim(min(0.0, float(least.min(initial=0.0)) * 1.1), farthest(log))
-    draw_zones(axes, log, labels)
-    axes.plot(log.time, np.minimum(least, 2.0 * farthest(log)), color=style.INK)
+    draw_zones(axes, log, labels, shades)
+    axes.plot(log.time, np.minimum(least, 2.0 * farthest(log)), color=colour)
     axes.grid(visible=False)
     axes.set_xlim(time_span(log))
     axes.set_ylabel("distance [m]")

@@ -29,6 +29,11 @@ def label(log: RolloutLog) -> str:
     return f"{meta['scene']}, {meta['controller']}{backend}, {meta['sensing']} sensing"
 
 
+def spoken(name: str) -> str:
+    """A name of the configuration as a figure shows it: `upper_arm` is the upper arm."""
+    return name.replace("_", " ")
+
+
 def time_span(log: RolloutLog) -> tuple[float, float]:
     """Begin of the first and end of the last cycle [s]."""
     return float(log.time[0]), float(log.time[-1]) + float(log.meta["period"])

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from proxgen.model.robot_model import RobotModel
 from proxgen.report import style
-from proxgen.report.derive import joint_units, time_span
+from proxgen.report.derive import joint_units, spoken, time_span
 from proxgen.simulation.log import RolloutLog
 
 Array = NDArray[np.float64]
@@ -26,10 +26,14 @@ def joints_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
     lower, upper, speed = (np.array(log.meta[key]) for key in ("q_lower", "q_upper", "qdot_limit"))
     for index, (name, unit) in enumerate(zip(names, joint_units(log, model), strict=True)):
         position, velocity = panels[index]
-        _draw(position, log.time, log.q[:, index], float(lower[index]), float(upper[index]), style.BLUE)
-        _draw(velocity, log.time, log.qdot[:, index], -float(speed[index]), float(speed[index]), style.GREEN)
+        draw_between_limits(
+            position, log.time, log.q[:, index], float(lower[index]), float(upper[index]), style.BLUE
+        )
+        draw_between_limits(
+            velocity, log.time, log.qdot[:, index], -float(speed[index]), float(speed[index]), style.GREEN
+        )
         position.set_xlim(time_span(log))
-        position.set_ylabel(f"{name}\n[{unit}]")
+        position.set_ylabel(f"{spoken(name)}\n[{unit}]")
         velocity.set_ylabel(f"[{unit}/s]")
     panels[0, 0].set_title("Position, limits dashed")
     panels[0, 1].set_title("Commanded velocity, limits dashed")
@@ -39,8 +43,19 @@ def joints_figure(log: RolloutLog, model: RobotModel | None = None) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, time: Array, values: Array, lower: float, upper: float, colour: str) -> None:
-    """One quantity over time, scaled to its limits if it has any."""
+def draw_between_limits(
+    axes: Axes, time: Array, values: Array, lower: float, upper: float, colour: str
+) -> None:
+    """One quantity over time, scaled to its limits if it has any.
+
+    Args:
+        axes: to draw on.
+        time: (T,) [s].
+        values: (T,) the quantity.
+        lower: its limit; none if far below every value that occurs.
+        upper: the same above.
+        colour: of the line.
+    """
     axes.plot(time, values, color=colour)
     if lower < -_UNLIMITED or upper > _UNLIMITED:
         return

@@ -32,6 +32,12 @@ PURPLE = "#cc79a7"
 SERIES = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILLION, INK, "#8c6d1f")
 """Colours of things that have no order, such as links or controllers."""
 
+LINKS = (BLUE, GREEN, PURPLE, "#8c6d1f", SKY, VERMILLION)
+"""Colours of the links, base to tool, then again from the start; they stand out from the zones' shades."""
+
+METHODS = {"proposed": BLUE, "tangential": GREEN, "repulsive": PURPLE}
+"""Colours of the methods that the paper compares."""
+
 OBSTACLE = "#f2b98a"
 OBSTACLE_EDGE = "#a85a1c"
 
@@ -57,6 +63,8 @@ STATUS_COLOURS: dict[Status, str] = {
 
 WIDTH = 10.5
 """Width of a figure [inch]; at `DPI` it fills the page's column on a fine screen."""
+PRINT_WIDTH = 7.2
+"""Width of a figure that is to be printed across both columns of a paper [inch]; letters keep their size."""
 DPI = 150
 
 _RC: dict[Any, Any] = {
@@ -105,10 +113,17 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
 
 
 def save(figure: Figure, path: Path) -> Path:
-    """Write the figure as PNG, whole or not at all."""
-    buffer = BytesIO()
-    # Without the version of matplotlib the same figure gives the same bytes.
-    figure.savefig(buffer, format="png", dpi=DPI, metadata={"Software": None})
+    """Write the figure as PNG, or as SVG if the name ends so, whole or not at all.
+
+    Narrow figures get a finer grid, so that on a page all pictures have at least as many pixels across.
+    """
+    buffer, dpi = BytesIO(), DPI * max(1.0, WIDTH / figure.get_figwidth())
+    # Without the version of matplotlib and the date the same figure gives the same bytes.
+    if path.suffix == ".svg":
+        with rc_context({"svg.hashsalt": "proxgen"}):
+            figure.savefig(buffer, format="svg", dpi=dpi, metadata={"Date": None, "Creator": None})
+    else:
+        figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
     return write_whole(path, buffer.getvalue())
 
 

@@ -77,7 +77,6 @@ def _refuse_additions(config: Config) -> None:
     avoidance = config.avoidance
     asked = {
         f"avoidance.method: {avoidance.method}": avoidance.method != "proposed",
-        "avoidance.self_collision": bool(avoidance.self_collision.points),
     }
     if names := [name for name, on in asked.items() if on]:
         raise GenerateError(f"only the reference has {', '.join(names)}; switch it off to generate code")

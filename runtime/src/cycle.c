@@ -61,6 +61,9 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
 
   pg_model_kinematics(q, &controller->kinematics);
   status = pg_find_nearest(controller, seen);
+#if PG_SELF_POINTS
+  if (status == PG_SOLVED) status = pg_find_own(controller);
+#endif
   if (status != PG_SOLVED) {
     forget_additions(cycle);
     return status;

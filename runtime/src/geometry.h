@@ -9,6 +9,9 @@ typedef struct {
   double inverse_squared_length; /* 0 for a point */
 } pg_segment_t;
 
+/* Closer than this to an axis, a point has no direction to leave it. */
+#define PG_INSIDE 1e-6 /* [m] */
+
 static inline double pg_dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
@@ -22,6 +25,18 @@ static inline void pg_transform(const double pose[12], const double point[3], do
   for (int i = 0; i < 3; i++)
     moved[i] =
         pose[4 * i] * point[0] + pose[4 * i + 1] * point[1] + pose[4 * i + 2] * point[2] + pose[4 * i + 3];
+}
+
+/* The segment between two points of a body in the world. */
+static inline void pg_place(const double pose[12], const double start[3], const double end[3],
+                            pg_segment_t *segment) {
+  double moved_end[3];
+  pg_transform(pose, start, segment->start);
+  pg_transform(pose, end, moved_end);
+  for (int i = 0; i < 3; i++)
+    segment->axis[i] = moved_end[i] - segment->start[i];
+  const double squared_length = pg_dot(segment->axis, segment->axis);
+  segment->inverse_squared_length = squared_length > 0.0 ? 1.0 / squared_length : 0.0;
 }
 
 /* Turns a vector of a body's frame into the world's directions. */

@@ -4,20 +4,14 @@
 
 #if !PG_RELAXATION_SLACK
 
-#include <math.h>
 #include <string.h>
 
 /* Makes stage `stage` out of the one before it; returns 0 if the QP stays as it was. */
 static int relax(const pg_controller_t *controller, pg_status_t stage, double ubA[PG_ROWS]) {
-  const pg_parameters_t *p = &controller->parameters;
   int changed = 0;
   for (int slot = 0; slot < PG_ROWS; slot++) {
     if (ubA[slot] >= PG_OFF) continue;
-    const int is_capsule = slot < PG_CAPSULES;
-    const double distance = is_capsule ? controller->nearest[slot].distance : INFINITY;
-    const int drop = (stage == PG_REDUCED_ACTIVE && !is_capsule) ||
-                     (stage == PG_REDUCED_DISTANT && distance > PG_D_DISTANT(p)) ||
-                     (stage == PG_REDUCED_CRITICAL && distance > PG_D_CRITICAL(p));
+    const int drop = pg_dropped_at(controller, slot) == stage;
     const int raise = stage == PG_REDUCED_REPULSION && ubA[slot] < 0.0;
     if (drop || raise) {
       ubA[slot] = drop ? PG_OFF : 0.0;

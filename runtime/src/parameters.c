@@ -22,6 +22,9 @@ int pg_parameters_allowed(const pg_parameters_t *p) {
   const int thresholds_in_order = p->d_a > p->d_0u && p->d_0u >= p->d_0l && p->d_0l > p->d_r && p->d_r >= 0.0;
   const int damper_in_order = p->damper_influence > p->damper_safety;
   const int viability_is_a_switch = p->viability == 0.0 || p->viability == 1.0;
+#if PG_SELF_POINTS
+  if (!(p->self_d_a > p->self_d_0u && p->self_d_0u >= p->self_d_0l && p->self_d_0l > p->self_d_r)) return 0;
+#endif
   return thresholds_in_order && damper_in_order && viability_is_a_switch;
 }
 

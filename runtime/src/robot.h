@@ -35,7 +35,10 @@
 #define pg_solver_solve        PG_NAME(internal_solver_solve)
 #define pg_test_hook           PG_NAME(internal_test_hook)
 
-/* Additions to the method: what binding.h does not name is off, and costs nothing. */
+/* Additions that binding.h does not name are off, and nothing of them is compiled. */
+#ifndef PG_SELF_POINTS
+#define PG_SELF_POINTS 0
+#endif
 #ifndef PG_SELF_MEASUREMENT
 #define PG_SELF_MEASUREMENT 0
 #endif
@@ -46,6 +49,9 @@
 #define PG_CIRCULATION 0
 #endif
 
+#define pg_find_own          PG_NAME(internal_find_own)
+#define pg_write_own_rows    PG_NAME(internal_write_own_rows)
+#define pg_dropped_at        PG_NAME(internal_dropped_at)
 #define pg_range_shows_arm   PG_NAME(internal_range_shows_arm)
 #define pg_switch_shows_arm  PG_NAME(internal_switch_shows_arm)
 #define pg_memory_forget     PG_NAME(internal_memory_forget)

@@ -1,35 +1,9 @@
-/* Step 4: one row per capsule (5), and the active row (7).
- *
- * Every row has its slot for good. A row that is off keeps its last direction and gets ubA = PG_OFF: a row
- * set to zero, or rows packed anew in each cycle, let a hot start report success for a wrong solution. */
-#include "state.h"
-
-#include <math.h>
-#include <string.h>
-
-/* A shorter row moves nothing that joints could move. */
-#define LEAST_ROW 1e-6
+/* Step 4: one row per capsule (5), and the active row (7); those of self-collision, if there are any, are in
+ * self_collision.c. */
+#include "rows.h"
 
 /* Where distances weigh like 1/d, none counts as nearer than this. */
 #define LEAST_WEIGHT_DISTANCE 1e-3 /* [m] */
-
-static double norm(const double row[PG_N]) {
-  double sum = 0.0;
-  for (int j = 0; j < PG_N; j++)
-    sum += row[j] * row[j];
-  return sqrt(sum);
-}
-
-static void switch_on(pg_diagnostics_t *cycle, int slot, const double row[PG_N], double ubA) {
-  memcpy(&cycle->A[slot * PG_N], row, PG_N * sizeof(double));
-  cycle->ubA[slot] = ubA;
-  cycle->row_on[slot] = 1;
-}
-
-static void switch_off(pg_diagnostics_t *cycle, int slot) {
-  cycle->ubA[slot] = PG_OFF;
-  cycle->row_on[slot] = 0;
-}
 
 /* A_l = d'J_p and b_l = max(speed(d), -row_speed ||A_l||) of one capsule. */
 static void write_capsule_row(pg_controller_t *controller, int l, double row[PG_N]) {
@@ -41,9 +15,9 @@ static void write_capsule_row(pg_controller_t *controller, int l, double row[PG_
   pg_model_approach_speed(p, nearest->distance, &speed);
   cycle->approach_speed[l] = speed;
 
-  const double length = norm(row), slowest = -p->row_speed * length;
-  if (nearest->distance <= PG_D_ON(p) && length >= LEAST_ROW)
-    switch_on(cycle, l, row, speed > slowest ? speed : slowest);
+  const double norm = pg_row_norm(row);
+  if (nearest->distance <= PG_D_ON(p) && norm >= PG_LEAST_ROW)
+    pg_switch_on(cycle, l, row, pg_row_bound(p, speed, norm));
 }
 
 #if PG_ACTIVE_ROW
@@ -52,15 +26,14 @@ static void write_active_row(pg_diagnostics_t *cycle, double weighted[PG_N], dou
   if (total <= 0.0) return;
   for (int j = 0; j < PG_N; j++)
     weighted[j] /= total;
-  if (norm(weighted) >= LEAST_ROW) switch_on(cycle, PG_CAPSULES, weighted, 0.0);
+  if (pg_row_norm(weighted) >= PG_LEAST_ROW) pg_switch_on(cycle, PG_CAPSULES, weighted, 0.0);
 }
 #endif
 
 void pg_write_rows(pg_controller_t *controller) {
   pg_diagnostics_t *cycle = &controller->cycle;
   double weighted[PG_N] = {0.0}, total = 0.0;
-  for (int slot = 0; slot < PG_ROWS; slot++)
-    switch_off(cycle, slot);
+  pg_switch_all_off(cycle);
   for (int l = 0; l < PG_CAPSULES; l++) {
     const pg_nearest_t *nearest = &controller->nearest[l];
     cycle->approach_speed[l] = INFINITY;
@@ -80,4 +53,24 @@ void pg_write_rows(pg_controller_t *controller) {
 #else
   (void)weighted, (void)total;
 #endif
+#if PG_SELF_POINTS
+  pg_write_own_rows(controller);
+#endif
+}
+
+/* When rows at a distance are dropped. */
+static pg_status_t dropped_by_distance(double distance, double distant, double critical) {
+  return distance > distant ? PG_REDUCED_DISTANT : distance > critical ? PG_REDUCED_CRITICAL : PG_KEPT;
+}
+
+pg_status_t pg_dropped_at(const pg_controller_t *controller, int slot) {
+  const pg_parameters_t *p = &controller->parameters;
+  if (slot < PG_CAPSULES)
+    return dropped_by_distance(controller->nearest[slot].distance, PG_D_DISTANT(p), PG_D_CRITICAL(p));
+#if PG_SELF_POINTS
+  if (slot >= PG_FIRST_SELF_ROW)
+    return dropped_by_distance(controller->own[slot - PG_FIRST_SELF_ROW].distance,
+                               p->self_d_0u + PG_SAME_DISTANCE, p->self_d_r + PG_SAME_DISTANCE);
+#endif
+  return PG_REDUCED_ACTIVE;
 }

@@ -7,9 +7,6 @@
 
 #include <math.h>
 
-/* Closer than this to an axis there is no direction to leave it. */
-#define INSIDE 1e-6 /* [m] */
-
 /* The nearest point to a capsule so far. */
 typedef struct {
   double displaced_below; /* [m^2] a point whose squared distance to the axis is less takes the place */
@@ -31,15 +28,8 @@ static double influence_distance(const pg_parameters_t *p) {
 static void place_capsules(const pg_controller_t *controller, field_t *field) {
   for (int l = 0; l < PG_CAPSULES; l++) {
     const pg_capsule_t *capsule = &pg_model_capsules[l];
-    const double *pose = controller->kinematics.body_to_world[capsule->body];
-    pg_segment_t *segment = &field->axes[l];
-    double end[3];
-    pg_transform(pose, capsule->start, segment->start);
-    pg_transform(pose, capsule->end, end);
-    for (int i = 0; i < 3; i++)
-      segment->axis[i] = end[i] - segment->start[i];
-    const double squared_length = pg_dot(segment->axis, segment->axis);
-    segment->inverse_squared_length = squared_length > 0.0 ? 1.0 / squared_length : 0.0;
+    pg_place(controller->kinematics.body_to_world[capsule->body], capsule->start, capsule->end,
+             &field->axes[l]);
 
     /* A little more than needed: the distance itself decides at the end. */
     const double reach =
@@ -131,7 +121,7 @@ static int measure(const pg_segment_t *axis, const double point[3], double refer
   const double norm = sqrt(pg_from_segment(axis, point, d, &t));
   nearest->distance = norm - reference_radius;
   nearest->found = nearest->distance <= influence;
-  if (norm < INSIDE) return 0;
+  if (norm < PG_INSIDE) return 0;
   for (int i = 0; i < 3; i++) {
     nearest->closest[i] = axis->start[i] + t * axis->axis[i];
     nearest->direction[i] = d[i] / norm;

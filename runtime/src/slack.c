@@ -5,15 +5,25 @@
 
 #include <string.h>
 
-/* 1/rho of all rows: by distance for a capsule's row that is on. */
-static void soften(pg_controller_t *controller) {
+/* Rho of one row: by distance for a capsule's row that is on. */
+static double weight_of(const pg_controller_t *controller, int slot) {
   const pg_parameters_t *p = &controller->parameters;
-  for (int slot = 0; slot < PG_ROWS; slot++) {
-    double weight = slot < PG_CAPSULES ? p->slack_weight : p->slack_active_weight;
-    if (slot < PG_CAPSULES && controller->cycle.row_on[slot])
-      pg_model_slack_weight(p, controller->nearest[slot].distance, &weight);
-    controller->softness[slot] = 1.0 / weight;
+  double weight = p->slack_weight;
+  if (slot == PG_CAPSULES && PG_ACTIVE_ROW) return p->slack_active_weight;
+  if (!controller->cycle.row_on[slot]) return weight;
+#if PG_SELF_POINTS
+  if (slot >= PG_FIRST_SELF_ROW) {
+    pg_model_self_slack_weight(p, controller->own[slot - PG_FIRST_SELF_ROW].distance, &weight);
+    return weight;
   }
+#endif
+  pg_model_slack_weight(p, controller->nearest[slot].distance, &weight);
+  return weight;
+}
+
+static void soften(pg_controller_t *controller) {
+  for (int slot = 0; slot < PG_ROWS; slot++)
+    controller->softness[slot] = 1.0 / weight_of(controller, slot);
 }
 
 /* How far the solution exceeds each row: s = y / rho. */

@@ -13,6 +13,19 @@ typedef struct {
   double direction[3]; /* unit vector from p to the obstacle point, world */
 } pg_nearest_t;
 
+#if PG_SELF_POINTS
+/* The point that the arm carries and that is nearest to a capsule. */
+typedef struct {
+  int found;         /* 1 if there is a point within self_d_a */
+  int carrier;       /* body that carries it */
+  double distance;   /* [m] between surfaces */
+  double length;     /* [m] from the capsule's axis */
+  double closest[3]; /* [m] p on the axis, world */
+  double point[3];   /* [m] h, world */
+  double apart[3];   /* [m] h - p */
+} pg_own_t;
+#endif
+
 /* A slot of the memory of seen points. */
 typedef struct {
   double point[3]; /* [m] world */
@@ -32,6 +45,9 @@ struct PG_NAME(controller) {
   pg_parameters_t parameters;
   pg_kinematics_t kinematics;
   pg_nearest_t nearest[PG_CAPSULES];
+#if PG_SELF_POINTS
+  pg_own_t own[PG_CAPSULES];
+#endif
   pg_diagnostics_t cycle; /* the QP of this cycle, and how it was decided */
   pg_counters_t counters;
 
@@ -54,6 +70,9 @@ struct PG_NAME(controller) {
   void *block;
   _Alignas(16) unsigned char solver_memory[PG_SOLVER_MEMORY];
 };
+
+/* Slots of self-collision, one per capsule, are the last ones. */
+#define PG_FIRST_SELF_ROW (PG_CAPSULES + PG_ACTIVE_ROW)
 
 /* Distances that differ by no more count as equal: switches around a link are equally far from its axis,
  * often as far as a threshold, and rounding must not decide. */
@@ -102,6 +121,16 @@ void pg_circulation_reset(pg_circulation_t *circulation);
 
 /* Step 4. */
 void pg_write_rows(pg_controller_t *controller);
+
+#if PG_SELF_POINTS
+/* Steps 3 and 4 for the points that the arm carries. */
+pg_status_t pg_find_own(pg_controller_t *controller);
+void pg_write_own_rows(pg_controller_t *controller);
+#endif
+
+/* The stage of the ladder from which a row that is on is dropped; PG_KEPT: none. */
+pg_status_t pg_dropped_at(const pg_controller_t *controller, int slot);
+#define PG_KEPT PG_STOPPED_INFEASIBLE
 
 /* Steps 6 and 7: leaves a certified solution and returns its stage, or the reason why there is none. In
  * ladder.c or slack.c, as the robot's relaxation is. */

@@ -13,6 +13,9 @@ _ORDERS = (
     ("d_0l", "<=", "d_0u"),
     ("d_r", "<", "d_0l"),
     ("damper_safety", "<", "damper_influence"),
+    ("self_d_0u", "<", "self_d_a"),
+    ("self_d_0l", "<=", "self_d_0u"),
+    ("self_d_r", "<", "self_d_0l"),
 )
 """What has to hold between parameters (table of docs/method.md); C checks it as well."""
 
