@@ -1,7 +1,8 @@
 """The Python extension: cffi (API mode) over the controller's public C interface.
 
-What Python sees is read from `controller.h` itself, through the preprocessor, so that there is no second
-description of the interface. cffi releases the GIL during every call.
+What Python sees is read from the headers themselves, through the preprocessor, so that there is no second
+description of the interface: `controller.h`, and `packed.h`, which takes the input of a cycle as one block.
+cffi releases the GIL during every call.
 """
 
 import re
@@ -11,11 +12,14 @@ from pathlib import Path
 from proxgen.builder.toolchain import run
 from proxgen.errors import BuildError
 
+HEADER = "packed.h"
+"""Includes all that Python sees."""
+
 PYTHON_FUNCTIONS = (
     "create",
     "destroy",
     "reset",
-    "step",
+    "step_packed",
     "get_parameters",
     "set_parameters",
     "diagnostics",
@@ -25,8 +29,8 @@ PYTHON_FUNCTIONS = (
 )
 """The functions that Python calls, without the robot's prefix."""
 
-_SYSTEM_HEADERS = ("stddef.h", "stdint.h", "stdbool.h")
-"""Headers that cffi knows the types of; they are preprocessed as empty files."""
+_SYSTEM_HEADERS = ("stddef.h", "stdint.h", "stdbool.h", "string.h")
+"""Headers whose types cffi knows, or that only functions need; they are preprocessed as empty files."""
 
 
 def declarations(
@@ -74,7 +78,7 @@ def write_extension(module: str, cdef: str, source: Path) -> None:
     ffi = cffi.FFI()
     try:
         ffi.cdef(cdef)
-        make_c_source(ffi, module, '#include "controller.h"\n', str(source))
+        make_c_source(ffi, module, f'#include "{HEADER}"\n', str(source))
     except (cffi.CDefError, cffi.FFIError, cffi.VerificationError) as error:
         raise BuildError(f"cffi refuses the interface: {error}") from error
 

@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 
 from proxgen.builder import sources, stamp, tree
-from proxgen.builder.extension import PYTHON_FUNCTIONS, declarations, write_extension
+from proxgen.builder.extension import HEADER, PYTHON_FUNCTIONS, declarations, write_extension
 from proxgen.builder.objects import Unit, compile_units
 from proxgen.builder.solvers import Solver, find_solver
 from proxgen.builder.stamp import PRIVATE, Stamp
@@ -173,9 +173,8 @@ def _units(plan: _Plan, module: str, work: Path) -> list[Unit]:
     headers = (*sorted(plan.generated.glob("*.h")), *sources.runtime_headers())
     solver = plan.solver
     functions = [f"{plan.robot}_{name}" for name in PYTHON_FUNCTIONS]
-    cdef = declarations(
-        plan.generated / "controller.h", include, plan.toolchain.cc, functions, _new_folder(work / "system")
-    )
+    header = runtime / "src" / HEADER
+    cdef = declarations(header, include, plan.toolchain.cc, functions, _new_folder(work / "system"))
     glue = work / f"{module}.c"
     write_extension(module, cdef, glue)
     units = [Unit(glue, (*include, Path(_python_include())), headers, ("-O1",))]

@@ -122,7 +122,7 @@ class Diagnostics:
     tangent: Array = field(default_factory=lambda: np.empty(0))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Command:
     """What a cycle decided.
 

@@ -1,30 +1,25 @@
 """The compiled controller in Python: the Controller protocol over a robot's library.
 
-Needs neither CasADi nor Pinocchio. One cycle costs a few microseconds: arguments are copied into C memory
-that is kept, and the diagnostics are copied as one block that is taken apart only if somebody looks at it.
+Needs neither CasADi nor Pinocchio. One cycle costs a few microseconds: all arguments pass as one block of
+bytes, and the diagnostics come back as one, which is taken apart only if somebody looks at it.
 """
 
 import threading
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from proxgen.controllers.compiled.library import Library, load_library
+from proxgen.controllers.compiled.packing import Packer
+from proxgen.controllers.compiled.result import make_command, number_or_array
 from proxgen.controllers.compiled.settable import check_orders, checked
-from proxgen.controllers.protocol import Array, Command, Diagnostics, Measurement, Status
+from proxgen.controllers.protocol import Array, Command, Measurement, Status
 from proxgen.errors import ControllerError
 
 _STATUS = {status.value: status for status in Status}
-_DIAGNOSTICS = frozenset(field.name for field in fields(Diagnostics))
-_ABSENT = {
-    field.name: field.default_factory for field in fields(Diagnostics) if callable(field.default_factory)
-}
-_FLOAT = np.dtype(np.float64)
-_BOOL = np.dtype(np.bool_)
-_new = object.__new__
 
 
 @dataclass(frozen=True)
@@ -71,8 +66,8 @@ class CompiledController:
         self._lock = threading.Lock()
         self._settable = {entry["name"]: entry for entry in library.manifest["parameters"]}
         self._handle = self._create()
-        self._step = library.function("step")
-        self._aged_kinds = [False, False]  # whether C looks at ages of range sensors, of switches
+        self._step = library.function("step_packed")
+        self._pack = Packer(library.manifest["dimensions"]).pack
         self._make_buffers()
 
     @classmethod
@@ -88,7 +83,7 @@ class CompiledController:
     def parameters(self) -> Mapping[str, float | Array]:
         """Copies of all run-time parameters by name."""
         record = self._read("get_parameters", "parameters")
-        return {name: _number_or_array(record[name]) for name in self._settable}
+        return {name: number_or_array(record[name]) for name in self._settable}
 
     @property
     def counters(self) -> Counters:
@@ -143,72 +138,17 @@ class CompiledController:
         Raises:
             ControllerError: an array of the wrong size or type.
         """
+        packed, count = self._pack(q, xdot, measurement)
         with self._lock:
-            self._take(q, xdot, measurement)
-            status = self._step(self._handle, self._q_data, self._xdot_data, self._seen, self._qdot_data)
+            try:
+                status = self._step(self._handle, measurement.time, packed, count, self._qdot_data)
+            except TypeError as error:
+                message = f"measurement.time must be a number, not {measurement.time!r}"
+                raise ControllerError(message) from error
             if status < 0:
                 raise ControllerError(f"the controller refused the call: {self._status_name(status)}")
-            qdot = self._qdot.copy()
-            snapshot = self._diagnostics_memory[:]
-        diagnostics = _LazyDiagnostics(snapshot, self._diagnostics_layout)
-        command = _new(Command)  # three times as fast as the frozen dataclass sets its fields itself
-        command.__dict__.update(qdot=qdot, status=_STATUS[status], diagnostics=diagnostics)
-        return command
-
-    def _take(self, q: Array, xdot: Array, measurement: Measurement) -> None:
-        """Copy the input of a cycle into C memory."""
-        tof_range, capacitive = measurement.tof_range, measurement.capacitive
-        if (
-            type(q) is type(xdot) is type(tof_range) is np.ndarray
-            and type(capacitive) is np.ndarray
-            and q.dtype is xdot.dtype is tof_range.dtype is _FLOAT
-            and capacitive.dtype is _BOOL
-            and (q.shape, xdot.shape, tof_range.shape, capacitive.shape) == self._shapes
-        ):
-            self._q[...] = q
-            self._xdot[...] = xdot
-            self._tof_range[...] = tof_range
-            self._capacitive[...] = capacitive
-        else:
-            _fill(self._q, q, "q")
-            _fill(self._xdot, xdot, "xdot")
-            _fill(self._tof_range, tof_range, "measurement.tof_range")
-            _fill(self._capacitive, capacitive, "measurement.capacitive")
-        try:
-            self._seen.time = measurement.time
-        except TypeError as error:
-            raise ControllerError(f"measurement.time must be a number, not {measurement.time!r}") from error
-        if measurement.tof_age is not None or measurement.capacitive_age is not None or self._aged:
-            self._take_ages(measurement)
-        count = len(measurement.points)
-        self._seen.point_count = count
-        if count:
-            self._take_points(measurement.points, count)
-
-    def _take_ages(self, measurement: Measurement) -> None:
-        """Copy the ages of the readings, or say that there are none."""
-        tof_age, capacitive_age = measurement.tof_age, measurement.capacitive_age
-        if tof_age is not None:
-            _copy(self._tof_age, tof_age, "measurement.tof_age")
-        if capacitive_age is not None:
-            _copy(self._capacitive_age, capacitive_age, "measurement.capacitive_age")
-        aged = [tof_age is not None, capacitive_age is not None]
-        if aged != self._aged_kinds:
-            null = self._library.ffi.NULL
-            self._seen.tof_age = self._tof_age_data if aged[0] else null
-            self._seen.capacitive_age = self._capacitive_age_data if aged[1] else null
-            self._aged_kinds = aged
-            self._aged = any(aged)
-
-    def _take_points(self, points: Array, count: int) -> None:
-        """Copy the further obstacle points."""
-        if count > len(self._points):
-            raise ControllerError(
-                f"measurement.points holds {count} points; skin.max_points allows {len(self._points)}"
-            )
-        if np.shape(points) != (count, 3):
-            raise ControllerError(f"measurement.points must have the shape (P, 3), not {np.shape(points)}")
-        _fill(self._points[:count], points, "measurement.points")
+            qdot, copied = self._qdot.copy(), self._diagnostics_memory[:]
+        return make_command(qdot, _STATUS[status], copied, self._diagnostics_layout)
 
     def _create(self) -> Any:
         """A new controller in C, destroyed with this object."""
@@ -220,33 +160,14 @@ class CompiledController:
         return library.ffi.gc(pointer[0], library.function("destroy"))
 
     def _make_buffers(self) -> None:
-        """C memory for everything that passes in and out of a cycle, and NumPy's views of it."""
-        sizes = self.manifest["dimensions"]
-        self._q_data, self._q = self._buffer("double", sizes["joints"])
-        self._xdot_data, self._xdot = self._buffer("double", sizes["task_rows"])
-        self._qdot_data, self._qdot = self._buffer("double", sizes["joints"])
-        self._tof_range_data, self._tof_range = self._buffer("double", sizes["tof"])
-        self._tof_age_data, self._tof_age = self._buffer("double", sizes["tof"])
-        self._capacitive_data, self._capacitive = self._buffer("unsigned char", sizes["capacitive"])
-        self._capacitive_age_data, self._capacitive_age = self._buffer("double", sizes["capacitive"])
-        self._points_data, points = self._buffer("double", 3 * sizes["max_points"])
-        self._points = points.reshape(-1, 3)
-        self._shapes = (self._q.shape, self._xdot.shape, self._tof_range.shape, self._capacitive.shape)
-        self._aged = False  # whether C looks at ages now
-        self._seen: Any = self._library.new("measurement")
-        self._seen.tof_range = self._tof_range_data
-        self._seen.capacitive = self._capacitive_data
-        self._seen.points = self._points_data
-        pointer = self._library.ffi.new(f"const {self.robot}_diagnostics_t **")
+        """What a cycle leaves: C memory that is kept, and Python's views of it."""
+        ffi = self._library.ffi
+        self._qdot_data = ffi.new("double[]", self.manifest["dimensions"]["joints"])
+        self._qdot = np.frombuffer(ffi.buffer(self._qdot_data))
+        pointer = ffi.new(f"const {self.robot}_diagnostics_t **")
         self._call("diagnostics", pointer)
-        self._diagnostics_memory = self._library.ffi.buffer(pointer[0])
+        self._diagnostics_memory = ffi.buffer(pointer[0])
         self._diagnostics_layout = self._library.layout("diagnostics")
-
-    def _buffer(self, ctype: str, size: int) -> tuple[Any, np.ndarray]:
-        """An array in C that is kept, and NumPy's view of it."""
-        data = self._library.ffi.new(f"{ctype}[]", max(size, 1))
-        dtype = _FLOAT if ctype == "double" else _BOOL
-        return data, np.frombuffer(self._library.ffi.buffer(data), dtype)[:size]
 
     def _call(self, name: str, *arguments: Any) -> None:
         """Call a function on the controller.
@@ -273,66 +194,3 @@ class CompiledController:
         """A status in words."""
         name: bytes = self._library.ffi.string(self._library.function("status_name")(status))
         return name.decode()
-
-
-class _LazyDiagnostics(Diagnostics):
-    """Diagnostics that are taken out of a copy of C's when one of them is first asked for."""
-
-    def __init__(self, snapshot: bytes, layout: "np.dtype[np.void]") -> None:
-        """Keep the copy."""
-        state = self.__dict__
-        state["_snapshot"] = snapshot
-        state["_layout"] = layout
-
-    def __getattr__(self, name: str) -> Any:
-        """Take all of them apart."""
-        if name not in _DIAGNOSTICS:
-            raise AttributeError(f"'Diagnostics' object has no attribute '{name}'")
-        state = self.__dict__
-        record = np.frombuffer(state["_snapshot"], state["_layout"])[0]
-        n = len(record["g"])
-        known = _DIAGNOSTICS.intersection(record.dtype.names or ())
-        values = {key: _number_or_array(record[key]) for key in known}
-        values |= {key: make() for key, make in _ABSENT.items() if key not in known}
-        values["H"] = record["H"].reshape(n, n).copy()
-        values["A"] = record["A"].reshape(-1, n).copy()
-        values["nearest_point"] = record["nearest_point"].reshape(-1, 3).copy()
-        values["row_on"] = record["row_on"].astype(bool)
-        values["circulating"] = bool(values["circulating"])
-        state.update(values)
-        return values[name]
-
-    def __repr__(self) -> str:
-        """As any Diagnostics."""
-        return f"Diagnostics({', '.join(f'{f.name}={getattr(self, f.name)!r}' for f in fields(Diagnostics))})"
-
-
-def _number_or_array(value: Any) -> Any:
-    """A plain number, or an array of one's own."""
-    return value.copy() if value.shape else value.item()
-
-
-def _copy(buffer: Array, value: Any, name: str) -> None:
-    """As `_fill`, without a second look at what is already an array of the right kind."""
-    if type(value) is np.ndarray and value.dtype is _FLOAT and value.shape == buffer.shape:
-        buffer[...] = value
-    else:
-        _fill(buffer, value, name)
-
-
-def _fill(buffer: np.ndarray, value: Any, name: str) -> None:
-    """Copy an argument into C memory, if it has the right size and consists of real numbers.
-
-    Raises:
-        ControllerError: it has not, or does not.
-    """
-    words = " x ".join(str(size) for size in buffer.shape)
-    try:
-        array = np.asarray(value)
-        if array.dtype.kind not in "fiub" and array.size:
-            raise TypeError(f"of type {array.dtype}")
-    except (TypeError, ValueError) as error:
-        raise ControllerError(f"{name} must be {words} numbers, not {value!r}") from error
-    if array.shape != buffer.shape:
-        raise ControllerError(f"{name} must be {words} numbers, not shape {array.shape}")
-    buffer[...] = array
