@@ -1,4 +1,5 @@
 /* Creation, memory, interface check, parameters, counters, names. */
+#include "packed.h"
 #include "rig.h"
 
 static void blocks_of_the_caller(void) {
@@ -199,7 +200,40 @@ static void names(void) {
   CHECK(strcmp(version.solver, "daqp") == 0 || strcmp(version.solver, "qpoases") == 0);
 }
 
+/* The same cycle from one block at an odd address, and with too many points. */
+static void a_cycle_in_one_block(void) {
+  rig_t one, two;
+  rig_open(&one);
+  rig_open(&two);
+  one.q[0] = 0.1, one.xdot[1] = 0.2, one.ranges[1] = 0.15, one.ages[2] = 0.01, one.switch_ages[0] = 0.02;
+  one.switches[1] = 1;
+  one.seen.tof_age = one.ages;
+  one.seen.capacitive_age = one.switch_ages;
+  rig_see(&one, 0.7, 0.3);
+  rig_see(&one, 1.2, -0.1);
+  const double *parts[] = {one.q, one.xdot, one.ranges, one.ages, one.switch_ages, one.points};
+  const size_t counts[] = {PG_N, PG_M, PG_TOF, PG_TOF, PG_CAPACITIVE, 6};
+  char block[1 + sizeof(rig_t)], *next = block + 1;
+  for (int i = 0; i < 6; i++) {
+    memcpy(next, parts[i], counts[i] * sizeof(double));
+    next += counts[i] * sizeof(double);
+  }
+  memcpy(next, one.switches, sizeof one.switches);
+
+  const pg_status_t status = rig_step(&one);
+  CHECK_EQUAL(planar_step_packed(two.controller, one.seen.time, block + 1, 2, two.qdot), status);
+  CHECK(memcmp(one.qdot, two.qdot, sizeof one.qdot) == 0);
+  CHECK(memcmp(one.cycle->H, two.cycle->H, sizeof one.cycle->H) == 0);
+  CHECK(memcmp(one.cycle->nearest_point, two.cycle->nearest_point, sizeof one.cycle->nearest_point) == 0);
+  CHECK_EQUAL(planar_step_packed(two.controller, 1.0, block + 1, PG_MAX_POINTS + 1, two.qdot), PG_ERROR_SIZE);
+  CHECK_EQUAL(planar_step_packed(two.controller, 1.0, block + 1, -1, two.qdot), PG_ERROR_SIZE);
+  CHECK_EQUAL(planar_step_packed(two.controller, 1.0, NULL, 0, two.qdot), PG_ERROR_NULL);
+  rig_close(&one);
+  rig_close(&two);
+}
+
 int main(void) {
+  a_cycle_in_one_block();
   blocks_of_the_caller();
   the_size_is_near_the_truth();
   headers_of_another_version();
