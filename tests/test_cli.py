@@ -44,6 +44,11 @@ def test_help(verb: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out.startswith(f"usage: proxgen {verb}".rstrip())
 
 
+def test_help_of_a_verb_says_what_it_does(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["build", "--help"]) == 0
+    assert "\n\nGenerate and compile the controller.\n\n" in capsys.readouterr().out
+
+
 def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 2
     assert "verbs:" in capsys.readouterr().out

@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from proxgen import __version__
 from proxgen.cli import files, measuring, runs
@@ -32,13 +32,26 @@ class Parser(argparse.ArgumentParser):
         self.exit(2, f"{self.prog}: {message}\n{self.format_usage()}")
 
 
+class Verbs:
+    """Where modules add their verbs; what the list of verbs says of one is also the head of its own help."""
+
+    def __init__(self, action: Any) -> None:
+        """Keep argparse's own action."""
+        self._action = action
+
+    def add_parser(self, name: str, *, help: str) -> Parser:
+        """A new verb, with a phrase that says what it does."""
+        parser: Parser = self._action.add_parser(name, help=help, description=f"{help[0].upper()}{help[1:]}.")
+        return parser
+
+
 def build_parser() -> tuple[Parser, dict[str, Parser]]:
     """The parser of the whole command line, and the parsers of its verbs by name."""
     parser = Parser(prog="proxgen", description=DESCRIPTION, epilog=EPILOG)
     parser.add_argument("--version", action="version", version=f"proxgen {__version__}")
     verbs = parser.add_subparsers(dest="verb", metavar="VERB", title="verbs", parser_class=Parser)
     for group in GROUPS:
-        group.add_verbs(verbs)
+        group.add_verbs(Verbs(verbs))
     return parser, dict(verbs.choices)
 
 

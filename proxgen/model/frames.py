@@ -27,6 +27,24 @@ def axis_basis(axis: Array) -> Array:
     return np.column_stack([first, np.cross(third, first), third])
 
 
+def roll_pitch_yaw(rotation: Array) -> Array:
+    """Angles (3,) about the world's x, then y, then z, that make a rotation matrix [rad].
+
+    Where x is turned onto z or -z, roll and yaw turn about the same axis: then the roll is 0.
+    """
+    level = float(np.hypot(rotation[0, 0], rotation[1, 0]))
+    pitch = np.arctan2(-rotation[2, 0], level)
+    if level < 1e-9:
+        return np.array([0.0, pitch, np.arctan2(-rotation[0, 1], rotation[1, 1])])
+    return np.array(
+        [
+            np.arctan2(rotation[2, 1], rotation[2, 2]),
+            pitch,
+            np.arctan2(rotation[1, 0], rotation[0, 0]),
+        ]
+    )
+
+
 def snapped(rotation: Array) -> Array:
     """A rotation matrix without the off-zeros below `SNAP`, orthonormal to rounding error again.
 

@@ -29,10 +29,15 @@ class Posture:
         return body_poses(self.model, self.q)
 
     @property
+    def tool_pose(self) -> Array:
+        """Pose of the task point's frame in the world, 4x4."""
+        pose: Array = self.poses[self.model.tool_body] @ self.model.tool_in_body
+        return pose
+
+    @property
     def tool(self) -> Array:
         """The task point in the world, (3,) [m]."""
-        pose: Array = self.poses[self.model.tool_body] @ self.model.tool_in_body
-        return pose[:3, 3]
+        return self.tool_pose[:3, 3]
 
     @cached_property
     def axes(self) -> Array:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from proxgen.model.frames import roll_pitch_yaw
 from proxgen.model.posture import Posture
 from proxgen.model.robot_model import Array
 from proxgen.scaffold.postures import neighbours
@@ -42,18 +43,31 @@ class Ball:
 
 
 @dataclass(frozen=True)
+class Aim:
+    """A target: the tool's pose in some posture, so that tasks of every kind can reach it.
+
+    Attributes:
+        position: (3,) [m].
+        orientation: (3,) roll, pitch, yaw [rad].
+    """
+
+    position: Array
+    orientation: Array
+
+
+@dataclass(frozen=True)
 class SceneProposal:
     """What the scene file says.
 
     Attributes:
         start: (n,) joint positions [rad or m].
-        targets: (3,) each [m].
+        targets: where the tool goes, back and forth.
         post: stands beside the way.
         visitor: comes towards the arm and goes back.
     """
 
     start: Array
-    targets: tuple[Array, ...]
+    targets: tuple[Aim, ...]
     post: Ball
     visitor: Ball
 
@@ -84,7 +98,7 @@ def propose_scene(start: Posture, rows: tuple[str, ...], size: float, limits: Th
     near = _first((origin, outwards), [start], radius + 0.5 * (limits.d_0l + limits.d_r), size)
     return SceneProposal(
         start.q,
-        tuple(np.round(end.tool, 3) + 0.0 for end in ends),
+        tuple(_aim(end) for end in ends),
         post,
         Ball(
             np.round(origin + far * outwards, 3) + 0.0,
@@ -93,6 +107,12 @@ def propose_scene(start: Posture, rows: tuple[str, ...], size: float, limits: Th
             round(max(far - near, 0.1 * limits.d_a), 3),
         ),
     )
+
+
+def _aim(end: Posture) -> Aim:
+    """The tool's pose in a posture, rounded."""
+    orientation = roll_pitch_yaw(end.tool_pose[:3, :3])
+    return Aim(np.round(end.tool, 3) + 0.0, np.round(orientation, 3) + 0.0)
 
 
 def _shortest(lines: list[Line], way: list[Posture], clearance: float, size: float) -> tuple[float, Line]:
