@@ -56,6 +56,12 @@ static void swap_if(int wrong, double *a, double *b) {
   *b = kept;
 }
 
+static void put_in_order(double *values[4]) {
+  for (int i = 0; i < 4; i++)
+    for (int k = 0; k < 3; k++)
+      swap_if(*values[k] > *values[k + 1], values[k], values[k + 1]);
+}
+
 static void draw_parameters(random_t *random, pg_controller_t *controller, int extreme) {
   pg_parameters_t p = pg_model_default_parameters;
   double *value = (double *)&p;
@@ -66,9 +72,11 @@ static void draw_parameters(random_t *random, pg_controller_t *controller, int e
   for (int j = 0; j < PG_N; j++)
     swap_if(p.q_lower[j] > p.q_upper[j], &p.q_lower[j], &p.q_upper[j]);
   double *thresholds[] = {&p.d_r, &p.d_0l, &p.d_0u, &p.d_a};
-  for (int i = 0; i < 4; i++)
-    for (int k = 0; k < 3; k++)
-      swap_if(*thresholds[k] > *thresholds[k + 1], thresholds[k], thresholds[k + 1]);
+  put_in_order(thresholds);
+#if PG_SELF_POINTS
+  double *own[] = {&p.self_d_r, &p.self_d_0l, &p.self_d_0u, &p.self_d_a};
+  put_in_order(own);
+#endif
   swap_if(p.damper_safety > p.damper_influence, &p.damper_safety, &p.damper_influence);
   pg_set_parameters(controller, &p); /* refused if two are equal: then the last ones stay */
 }

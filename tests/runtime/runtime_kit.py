@@ -11,6 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from proxgen.builder.solvers import find_solver
 from proxgen.builder.toolchain import find_toolchain, run, run_all
+from proxgen.program import ADDITIONS
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNTIME = ROOT / "runtime"
@@ -28,17 +29,29 @@ class Variant:
         backend: `daqp` or `qpoases`.
         options: of compiler and linker: sanitizers, and macros that choose what generated code would.
         robot: prefix of all names; another than `planar` makes a copy of it.
+        additions: to the method, of `program.ADDITIONS`; in C the macro PLANAR_<NAME> is 1 for each.
     """
 
     backend: str
     options: tuple[str, ...] = ()
     robot: str = "planar"
+    additions: tuple[str, ...] = ()
+
+    @property
+    def arm(self) -> str:
+        """Name of the folder with the arm's code."""
+        return "-".join([self.robot, *self.additions])
+
+    @property
+    def flags(self) -> list[str]:
+        """Options of compiler and linker."""
+        return [*self.options, *(f"-D{self.robot}_{name}=1".upper() for name in self.additions)]
 
     @property
     def name(self) -> str:
         """For folders and test ids."""
         words = [option.lstrip("-").replace("=", "_").replace(",", "_") for option in self.options]
-        return "-".join([self.robot, self.backend, *words])
+        return "-".join([self.arm, self.backend, *words])
 
 
 class Kit:
@@ -48,21 +61,26 @@ class Kit:
         self.folder = folder
         self._objects: dict[Variant, list[Path]] = {}
 
-    def robot(self, robot: str) -> Path:
+    def robot(self, robot: str, additions: tuple[str, ...] = ()) -> Path:
         """Folder with the arm's code under this name: hand-written files, and rendered public headers."""
-        folder = self.folder / robot
+        folder = self.folder / "-".join([robot, *additions])
         if not folder.exists():
             folder.mkdir(parents=True)
             for source in (TESTS / "mock_planar").iterdir():
                 text = source.read_text().replace("planar", robot).replace("PLANAR", robot.upper())
                 (folder / source.name).write_text(text)
             for name in ("controller.h", "controller.hpp"):
-                (folder / name).write_text(render_header(name, robot))
+                (folder / name).write_text(render_header(name, robot, additions))
         return folder
 
     def includes(self, variant: Variant) -> list[str]:
         """Options that name the folders of headers."""
-        own = [self.robot(variant.robot), RUNTIME / "include", RUNTIME / "src", self.folder]
+        own = [
+            self.robot(variant.robot, variant.additions),
+            RUNTIME / "include",
+            RUNTIME / "src",
+            self.folder,
+        ]
         return [*(f"-I{path}" for path in own), "-isystem", str(find_solver(variant.backend).include)]
 
     def compile(self, sources: Sequence[Path], variant: Variant, options: Sequence[str]) -> list[Path]:
@@ -71,7 +89,7 @@ class Kit:
         folder = self.folder / f"{variant.name}-objects"
         folder.mkdir(exist_ok=True)
         objects = [folder / f"{source.stem}.o" for source in sources]
-        flags = [*variant.options, *options, *self.includes(variant)]
+        flags = [*variant.flags, *options, *self.includes(variant)]
         run_all(
             (
                 [*toolchain.compile_command(source), *flags, "-c", str(source), "-o", str(made)],
@@ -87,7 +105,8 @@ class Kit:
             solver = find_solver(variant.backend)
             units = [path for path in (RUNTIME / "src").glob("*.c") if not path.name.startswith("solver_")]
             units += (RUNTIME / "src").glob(f"solver_{variant.backend}.*")
-            own = self.compile([*sorted(units), self.robot(variant.robot) / "model.c"], variant, WARNINGS)
+            arm = self.robot(variant.robot, variant.additions)
+            own = self.compile([*sorted(units), arm / "model.c"], variant, WARNINGS)
             self._objects[variant] = own + self.compile(solver.units, variant, ())
         return self._objects[variant]
 
@@ -118,7 +137,7 @@ class Kit:
         return run([str(self.program(TESTS / name, variant, *options))], f"{name} with {variant.name} failed")
 
 
-def render_header(name: str, robot: str) -> str:
+def render_header(name: str, robot: str, additions: tuple[str, ...] = ()) -> str:
     """A public header for the hand-written arm, from the template of the generated ones."""
     loader = PackageLoader("proxgen.emit")
     environment = Environment(
@@ -134,7 +153,7 @@ def render_header(name: str, robot: str) -> str:
         "version": "0",
         "config_hash": "0" * 64,
         "banner": "/* test */",
-        "additions": (),
-        "additions_mask": 0,
+        "additions": additions,
+        "additions_mask": sum(1 << ADDITIONS.index(addition) for addition in additions),
     }
     return environment.get_template(f"{name}.j2").render(values)

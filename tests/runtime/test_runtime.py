@@ -18,6 +18,7 @@ DAMPER = "-DPLANAR_SCHEDULE_DAMPER=1"
 NO_ACTIVE_ROW = "-DPLANAR_ACTIVE_ROW=0"
 FEW_CHANGES = "-DPG_MAX_ITERATIONS=2"
 INJECTION = "-DPG_FAULT_INJECTION"
+SELF_COLLISION = ("self_collision",)
 
 CASES = [
     ("test_faults.c", ()),
@@ -38,6 +39,14 @@ CASES = [
 ]
 
 
+CASES_OF_ADDITIONS = [
+    ("test_self_collision.c", (), SELF_COLLISION),
+    ("test_self_collision.c", (SLACK,), SELF_COLLISION),
+    ("test_self_collision.c", (DAMPER, NO_ACTIVE_ROW), SELF_COLLISION),
+    ("test_life.c", (), SELF_COLLISION),
+]
+
+
 @pytest.fixture(scope="session")
 def kit(tmp_path_factory: pytest.TempPathFactory) -> Kit:
     """Compiles into one folder."""
@@ -49,6 +58,22 @@ def kit(tmp_path_factory: pytest.TempPathFactory) -> Kit:
 @pytest.mark.parametrize(("name", "options"), CASES, ids=lambda value: "".join(value))
 def test_in_c(name: str, options: tuple[str, ...], backend: str, checks: tuple[str, ...], kit: Kit) -> None:
     kit.test(name, Variant(backend, (*options, *checks)))
+
+
+@pytest.mark.parametrize("checks", [(), SANITIZE], ids=["plain", "sanitizers"])
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(
+    ("name", "options", "additions"), CASES_OF_ADDITIONS, ids=lambda value: "".join(value)
+)
+def test_additions_in_c(
+    name: str,
+    options: tuple[str, ...],
+    additions: tuple[str, ...],
+    backend: str,
+    checks: tuple[str, ...],
+    kit: Kit,
+) -> None:
+    kit.test(name, Variant(backend, (*options, *checks), additions=additions))
 
 
 def test_no_heap_with_daqp(kit: Kit) -> None:

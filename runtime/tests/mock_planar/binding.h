@@ -28,6 +28,9 @@
 #define PG_MAX_ITERATIONS 100
 #endif
 #define PG_TOLERANCE 1e-8
+#if PLANAR_SELF_COLLISION
+#define PG_SELF_POINTS PLANAR_SELF_POINTS
+#endif
 
 #define PG_INTERFACE         PLANAR_INTERFACE
 #define PG_GENERATOR_VERSION PLANAR_GENERATOR_VERSION
@@ -59,6 +62,13 @@
 #define pg_model_default_parameters planar_default_parameters
 #define pg_model_lower_parameters   planar_lower_parameters
 #define pg_model_upper_parameters   planar_upper_parameters
+
+/* Of additions. */
+#define pg_model_self_points         planar_self_points
+#define pg_model_self_pairs          planar_self_pairs
+#define pg_model_self_row            planar_self_row
+#define pg_model_self_approach_speed planar_self_approach_speed
+#define pg_model_self_slack_weight   planar_self_slack_weight
 
 /* Functions of controller.h, which runtime/ defines. */
 #define pg_create_checked    planar_create_checked

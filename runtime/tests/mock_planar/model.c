@@ -35,6 +35,12 @@ const planar_parameters_t planar_default_parameters = {
     .posture_weight = {0.0, 0.0},
     .posture_gain = 1.0,
     .posture = {0.0, 0.0},
+#if PLANAR_SELF_COLLISION
+    .self_d_a = 0.10,
+    .self_d_0u = 0.07,
+    .self_d_0l = 0.05,
+    .self_d_r = 0.03,
+#endif
 };
 
 #define LEAST 1e-9 /* the least of what has to be positive */
@@ -94,6 +100,12 @@ const planar_parameters_t planar_upper_parameters = {
     .posture_weight = {1e20, 1e20},
     .posture_gain = 1e20,
     .posture = {1e20, 1e20},
+#if PLANAR_SELF_COLLISION
+    .self_d_a = 1e20,
+    .self_d_0u = 1e20,
+    .self_d_0l = 1e20,
+    .self_d_r = 1e20,
+#endif
 };
 
 const pg_capsule_t planar_capsules[PLANAR_CAPSULES] = {
@@ -197,29 +209,65 @@ int planar_bounds(const planar_parameters_t *p, const double q[2], const double 
   return 0;
 }
 
+#if PLANAR_SELF_COLLISION || !PLANAR_SCHEDULE_DAMPER
+/* The law (13). */
+static double law(const planar_parameters_t *p, double d, double d_a, double d_0u, double d_0l, double d_r) {
+  if (d > d_0u) return p->approach_speed * (d - d_0u) / (d_a - d_0u);
+  if (d > d_0l) return 0.0;
+  return d > d_r ? p->repulse_speed * (d_0l - d) / (d_0l - d_r) : p->repulse_speed;
+}
+#endif
+
 int planar_approach_speed(const planar_parameters_t *p, double d, double *speed) {
 #if PLANAR_SCHEDULE_DAMPER
   *speed = d > p->damper_safety
                ? p->approach_speed * (d - p->damper_safety) / (p->damper_influence - p->damper_safety)
                : greatest(p->damper_repulse_speed, p->damper_gain * (d - p->damper_safety));
 #else
-  if (d > p->d_0u)
-    *speed = p->approach_speed * (d - p->d_0u) / (p->d_a - p->d_0u);
-  else if (d > p->d_0l)
-    *speed = 0.0;
-  else if (d > p->d_r)
-    *speed = p->repulse_speed * (p->d_0l - d) / (p->d_0l - p->d_r);
-  else
-    *speed = p->repulse_speed;
+  *speed = law(p, d, p->d_a, p->d_0u, p->d_0l, p->d_r);
 #endif
   return 0;
 }
 
+static double soft_weight(const planar_parameters_t *p, double d, double d_a, double d_r) {
+  const double ramp = least(greatest((d_a - d) / (d_a - d_r), p->slack_minimum), p->slack_maximum);
+  return p->slack_weight * ramp * ramp;
+}
+
 int planar_slack_weight(const planar_parameters_t *p, double d, double *weight) {
-  const double ramp = least(greatest((p->d_a - d) / (p->d_a - p->d_r), p->slack_minimum), p->slack_maximum);
-  *weight = p->slack_weight * ramp * ramp;
+  *weight = soft_weight(p, d, p->d_a, p->d_r);
   return 0;
 }
+
+#if PLANAR_SELF_COLLISION
+const pg_self_point_t planar_self_points[PLANAR_SELF_POINTS] = {
+    {.body = 1, .position = {PLANAR_LENGTH, 0, 0}, .radius = 0.02},
+    {.body = 0, .position = {0.1, -0.1, 0}, .radius = 0.03},
+};
+
+const unsigned char planar_self_pairs[PLANAR_SELF_POINTS][PLANAR_CAPSULES] = {{1, 0, 1}, {0, 1, 0}};
+
+/* The first joint moves all; the second one the forearm, or the point that it carries. */
+int planar_self_row(int body, int carrier, const planar_kinematics_t *k, const double point[3],
+                    const double carried[3], const double direction[3], double row[2]) {
+  const double *moved = body > carrier ? point : carried;
+  row[0] = 0.0;
+  row[1] =
+      -direction[0] * (moved[1] - k->joint_origin[1][1]) + direction[1] * (moved[0] - k->joint_origin[1][0]);
+  if (body < carrier) row[1] = -row[1];
+  return body == carrier;
+}
+
+int planar_self_approach_speed(const planar_parameters_t *p, double d, double *speed) {
+  *speed = law(p, d, p->self_d_a, p->self_d_0u, p->self_d_0l, p->self_d_r);
+  return 0;
+}
+
+int planar_self_slack_weight(const planar_parameters_t *p, double d, double *weight) {
+  *weight = soft_weight(p, d, p->self_d_a, p->self_d_r);
+  return 0;
+}
+#endif
 
 int planar_closest_point(const double point[3], const double start[3], const double end[3],
                          double closest[3]) {

@@ -1,6 +1,9 @@
 /* A hand-written stand-in for a generated model: a planar arm of two links, joints about z at (0,0,0) and
  * (LENGTH,0,0), tool at the end of the second link. Three capsules: both links, and a sphere at the elbow
- * that moves with the first, so that two rows are always parallel. Four range sensors and two switches. */
+ * that moves with the first, so that two rows are always parallel. Four range sensors and two switches.
+ *
+ * As variants: with PLANAR_SELF_COLLISION the tool, a ball, must not touch the upper arm, nor the forearm a
+ * ball beside the upper arm. */
 #ifndef PLANAR_MODEL_H
 #define PLANAR_MODEL_H
 
@@ -25,7 +28,12 @@ extern "C" {
 #ifndef PLANAR_SCHEDULE_DAMPER
 #define PLANAR_SCHEDULE_DAMPER 0
 #endif
+#if PLANAR_SELF_COLLISION
+#define PLANAR_SELF_POINTS 2
+#define PLANAR_ROWS        (2 * PLANAR_CAPSULES + PLANAR_ACTIVE_ROW)
+#else
 #define PLANAR_ROWS (PLANAR_CAPSULES + PLANAR_ACTIVE_ROW)
+#endif
 
 /* In the order and with the meaning of the table of parameters in docs/method.md. */
 typedef struct {
@@ -38,6 +46,9 @@ typedef struct {
   double damping_gain, damping_threshold, damping_floor;
   double slack_weight, slack_minimum, slack_maximum, slack_active_weight;
   double posture_weight[2], posture_gain, posture[2];
+#if PLANAR_SELF_COLLISION
+  double self_d_a, self_d_0u, self_d_0l, self_d_r;
+#endif
 } planar_parameters_t;
 
 extern const planar_parameters_t planar_default_parameters, planar_lower_parameters, planar_upper_parameters;
@@ -53,6 +64,16 @@ typedef struct {
 extern const pg_capsule_t planar_capsules[PLANAR_CAPSULES];
 extern const pg_sensor_t planar_tof[PLANAR_TOF];
 extern const pg_sensor_t planar_capacitive[PLANAR_CAPACITIVE];
+
+#if PLANAR_SELF_COLLISION
+extern const pg_self_point_t planar_self_points[PLANAR_SELF_POINTS];
+extern const unsigned char planar_self_pairs[PLANAR_SELF_POINTS][PLANAR_CAPSULES];
+
+int planar_self_row(int body, int carrier, const planar_kinematics_t *kinematics, const double point[3],
+                    const double carried[3], const double direction[3], double row[2]);
+int planar_self_approach_speed(const planar_parameters_t *p, double distance, double *speed);
+int planar_self_slack_weight(const planar_parameters_t *p, double distance, double *weight);
+#endif
 
 int planar_kinematics(const double q[2], planar_kinematics_t *kinematics);
 int planar_row(int body, const planar_kinematics_t *kinematics, const double point[3],
