@@ -103,6 +103,23 @@ def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str
             ["run", "a.yaml", "--scene", "gap", "--seed", "1.5"],
             "proxgen run: argument --seed: expected a whole number from 0, found '1.5'",
         ),
+        (
+            ["bench", "--replays", "0"],
+            "proxgen bench: argument --replays: expected a whole number from 1, found '0'",
+        ),
+        # before an hour's work, not after it
+        (
+            ["run", "a.yaml", "--scene", "gap", "--json", "."],
+            "proxgen run: argument --json: . is a folder; a file is needed",
+        ),
+        (
+            ["run", "a.yaml", "--scene", "gap", "--json", "/dev/null/a.json"],
+            "proxgen run: argument --json: /dev/null is a file; a folder is needed",
+        ),
+        (
+            ["compare", "a.yaml", "--out", "/dev/null"],
+            "proxgen compare: argument --out: /dev/null is a file; a folder is needed",
+        ),
     ],
 )
 def test_a_mistake_in_the_words(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -128,6 +145,10 @@ def test_a_mistake_in_the_words(words: list[str], message: str, capsys: pytest.C
         (
             ["compare", PLANAR2, "--scene", "my.yaml"],
             "my.yaml: the file does not exist\n1 problem\n",
+        ),
+        (
+            ["run", PLANAR2, "--scene", "gap.yaml"],
+            "gap.yaml: the file does not exist; the scene 'gap' is named without an ending\n1 problem\n",
         ),
     ],
 )

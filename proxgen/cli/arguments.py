@@ -1,6 +1,7 @@
 """Types of command-line arguments: what is accepted, and the sentence for what is not."""
 
 import argparse
+import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 
@@ -48,8 +49,35 @@ def seconds(text: str) -> float:
         raise argparse.ArgumentTypeError(str(error)) from error
 
 
-def whole_number(text: str) -> int:
-    """A whole number from 0."""
-    if not text.isascii() or not text.isdigit() or len(text) > 18:
-        raise argparse.ArgumentTypeError(f"expected a whole number from 0, found '{text}'")
+def whole_number(text: str, least: int = 0) -> int:
+    """A whole number from 0, or from another least one."""
+    if not text.isascii() or not text.isdigit() or len(text) > 18 or int(text) < least:
+        raise argparse.ArgumentTypeError(f"expected a whole number from {least}, found '{text}'")
     return int(text)
+
+
+def count(text: str) -> int:
+    """A whole number from 1."""
+    return whole_number(text, 1)
+
+
+def new_file(text: str) -> Path:
+    """A file to be written; what keeps it from being written is said before the work, not after it."""
+    path = Path(text)
+    if path.is_dir():
+        raise argparse.ArgumentTypeError(f"{path} is a folder; a file is needed")
+    new_folder(str(path.parent))
+    if path.exists() and not os.access(path, os.W_OK):
+        raise argparse.ArgumentTypeError(f"{path} cannot be written: permission denied")
+    return path
+
+
+def new_folder(text: str) -> Path:
+    """A folder for files to be written, which is made if it does not exist."""
+    path = Path(text)
+    nearest = next(place for place in (path, *path.absolute().parents) if place.exists())
+    if not nearest.is_dir():
+        raise argparse.ArgumentTypeError(f"{nearest} is a file; a folder is needed")
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise argparse.ArgumentTypeError(f"nothing can be written in {nearest}: permission denied")
+    return path

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from proxgen.cli.arguments import seconds, whole_number
+from proxgen.cli.arguments import count, new_file, seconds
 from proxgen.cli.output import columns, progress_bar, write_json
 from proxgen.config.examples import examples_directory
 
@@ -42,7 +42,7 @@ def add_verbs(verbs: Any) -> None:
         "--duration", type=seconds, default=60.0, metavar="S", help="simulated time per scene (default: 60)"
     )
     bench.add_argument(
-        "--replays", type=whole_number, default=5, metavar="N", help="passes over each recording (default: 5)"
+        "--replays", type=count, default=5, metavar="N", help="passes over each recording (default: 5)"
     )
     kind = bench.add_mutually_exclusive_group()
     kind.add_argument(
@@ -55,8 +55,8 @@ def add_verbs(verbs: Any) -> None:
         action="store_true",
         help="instead: the same cycles through other controllers, each installed into build/bench",
     )
-    bench.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
-    bench.add_argument("--plot", type=Path, metavar="FILE", help="draw the distributions there (PNG)")
+    bench.add_argument("--json", type=new_file, metavar="FILE", help="write the numbers there")
+    bench.add_argument("--plot", type=new_file, metavar="FILE", help="draw the distributions there (PNG)")
     bench.set_defaults(carry_out=carry_out_bench)
 
 
@@ -80,7 +80,7 @@ def _bench_controller(arguments: argparse.Namespace, config: "Config", scenes: "
 
     with progress_bar(f"{config.robot.name}: record and replay") as progress:
         benchmark = run_benchmark(
-            config, scenes, duration=arguments.duration, replays=max(arguments.replays, 1), progress=progress
+            config, scenes, duration=arguments.duration, replays=arguments.replays, progress=progress
         )
     print(_table(benchmark))
     _print_machine(benchmark.machine)
@@ -123,7 +123,7 @@ def _bench_scaling(arguments: argparse.Namespace) -> int:
     from proxgen.bench.scaling import PARTS, run_scaling
 
     with progress_bar("arms of all sizes") as progress:
-        scaling = run_scaling(replays=max(arguments.replays, 1), progress=progress)
+        scaling = run_scaling(replays=arguments.replays, progress=progress)
     for name, sweep in scaling.sweeps.items():
         rows: list[tuple[str, ...]] = [(name, *(f"{part} us" for part in PARTS))]
         for index, value in enumerate(sweep["value"]):

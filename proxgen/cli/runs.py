@@ -4,7 +4,14 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from proxgen.cli.arguments import add_config, add_sensing_and_duration, one_of, whole_number
+from proxgen.cli.arguments import (
+    add_config,
+    add_sensing_and_duration,
+    new_file,
+    new_folder,
+    one_of,
+    whole_number,
+)
 from proxgen.cli.output import columns, progress_bar, write_json
 from proxgen.errors import ConfigError, Problem
 
@@ -34,8 +41,10 @@ def add_verbs(verbs: Any) -> None:
     run.add_argument(
         "--seed", type=whole_number, default=0, metavar="N", help="of noise and dropouts (default: 0)"
     )
-    run.add_argument("--out", type=Path, metavar="DIR", help="write the log, the numbers and a report there")
-    run.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
+    run.add_argument(
+        "--out", type=new_folder, metavar="DIR", help="write the log, the numbers and a report there"
+    )
+    run.add_argument("--json", type=new_file, metavar="FILE", help="write the numbers there")
     run.add_argument("--gui", action="store_true", help="show the simulation in a window")
     run.set_defaults(carry_out=carry_out_run)
 
@@ -50,8 +59,8 @@ def add_verbs(verbs: Any) -> None:
         help="may be given several times; default: ROBOT_scene.yaml beside CONFIG, or every scene that fits",
     )
     add_sensing_and_duration(compare)
-    compare.add_argument("--out", type=Path, metavar="DIR", help="write the logs and a report there")
-    compare.add_argument("--json", type=Path, metavar="FILE", help="write the numbers there")
+    compare.add_argument("--out", type=new_folder, metavar="DIR", help="write the logs and a report there")
+    compare.add_argument("--json", type=new_file, metavar="FILE", help="write the numbers there")
     compare.set_defaults(carry_out=carry_out_compare)
 
 

@@ -192,6 +192,9 @@ def load_scene(name: str | Path, beside: Path | None = None) -> Scene:
     path = Path(name)
     if path.suffix not in {".yaml", ".yml"}:
         path = _find_scene(str(name), beside)
+    elif not is_file(path) and path.stem in scene_names(beside):
+        message = f"the file does not exist; the scene '{path.stem}' is named without an ending"
+        raise ConfigError([Problem(path, 0, "", message)])
     document = read_layers(path)
     problems = list(document.problems)
     if document.root is None:

@@ -27,6 +27,7 @@ from proxgen.config.quantities import (
     Speed,
     Time,
 )
+from proxgen.config.reserved import RESERVED_NAMES
 from proxgen.config.section import (
     Direction,
     Finding,
@@ -56,9 +57,6 @@ ROWS_OF_KIND: dict[str, tuple[TaskRow, ...]] = {
 }
 """Rows that a kind of task has; `rx`, `ry` of a pointing task turn about the two normals to its axis."""
 
-RESERVED_NAMES = frozenset({"pg", "proxgen", "daqp", "qpoases", "casadi"})
-"""Prefixes that the runtime and the libraries use for their own symbols."""
-
 
 def scalar_or_mapping(value: object) -> str:
     """Which form of a value was written where one number, or one per joint, is allowed."""
@@ -82,9 +80,7 @@ class Robot(Section):
     def contradictions(self) -> Iterator[Finding]:
         """A name that would clash with symbols of the runtime."""
         if self.name in RESERVED_NAMES:
-            yield Finding(
-                ("name",), f"'{self.name}' is the prefix of other symbols in the library; choose another name"
-            )
+            yield Finding(("name",), f"'{self.name}' {RESERVED_NAMES[self.name]}; choose another name")
 
 
 class Posture(Section):

@@ -4,7 +4,7 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-from proxgen.config.schema import RESERVED_NAMES
+from proxgen.config.reserved import RESERVED_NAMES
 
 MAX_LENGTH = 40
 

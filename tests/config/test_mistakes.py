@@ -179,6 +179,17 @@ VALUES: dict[str, Case] = {
         "name: pg",
         "2: robot.name: 'pg' is the prefix of other symbols in the library; choose another name",
     ),
+    "name that C++ takes for something else": (
+        "name: arm",
+        "name: double",
+        "2: robot.name: 'double' is a word of C++, and would be the controller's namespace there; "
+        "choose another name",
+    ),
+    "name by which the linker finds another library": (
+        "name: arm",
+        "name: m",
+        "2: robot.name: 'm' is the name of a library of the system; choose another name",
+    ),
     "row of another kind of task": (
         "kind: position",
         "kind: position\n  rows: [x, rz]",

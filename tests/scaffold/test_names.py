@@ -3,7 +3,7 @@
 import pytest
 from pydantic import TypeAdapter
 
-from proxgen.config.schema import RESERVED_NAMES
+from proxgen.config.reserved import RESERVED_NAMES
 from proxgen.config.section import Name
 from proxgen.scaffold.names import distinct, identifier, robot_name, shortened
 
