@@ -28,7 +28,6 @@
 #include <stddef.h>
 
 #include "model.h"
-#include "proxgen/types.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -19,6 +19,7 @@
 #define IIWA7_CONTROLLER_HPP
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <utility>
 

@@ -19,6 +19,7 @@
 #define PLANAR2_CONTROLLER_HPP
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <utility>
 

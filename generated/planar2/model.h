@@ -46,12 +46,12 @@ typedef struct {
   double joint_damper;         /* [1/s] velocity per distance to the limit; 1e20: none */
   double viability;            /* 1: limits stay reachable by braking */
   double limit_tolerance;      /* [rad] q further outside is a fault */
-  double period;               /* [s] time Δt of a control cycle */
+  double period;               /* [s] time dt of a control cycle */
   double max_period;           /* [s] longer is a fault; 0: not checked */
   double sensor_timeout;       /* [s] an older reading is a fault */
-  double damping_gain;         /* g_λ (15) */
+  double damping_gain;         /* g_lambda (15) */
   double damping_threshold;    /* w_0 (15) */
-  double damping_floor;        /* λ_min, keeps H positive definite */
+  double damping_floor;        /* lambda_min, keeps H positive definite */
   double d_a;                  /* [m] obstacles beyond give no row (17) */
   double d_0u;                 /* [m] upper end of the dead zone (17) */
   double d_0l;                 /* [m] lower end of the dead zone (17) */

@@ -88,12 +88,12 @@ def _cycle_parameters(config: Config) -> list[Parameter]:
         _scalar("joint_damper", "1/s", damper, "velocity per distance to the limit; 1e20: none"),
         _scalar("viability", "", float(limits.viability), "1: limits stay reachable by braking"),
         _scalar("limit_tolerance", "rad", limits.tolerance, "q further outside is a fault"),
-        _scalar("period", "s", 1.0 / control.rate, "time Δt of a control cycle"),
+        _scalar("period", "s", 1.0 / control.rate, "time dt of a control cycle"),
         _scalar("max_period", "s", control.deadline or 0.0, "longer is a fault; 0: not checked"),
         _scalar("sensor_timeout", "s", config.skin.timeout, "an older reading is a fault"),
-        _scalar("damping_gain", "", damping.gain, "g_λ (15)"),
+        _scalar("damping_gain", "", damping.gain, "g_lambda (15)"),
         _scalar("damping_threshold", "", damping.threshold, "w_0 (15)"),
-        _scalar("damping_floor", "", damping.floor, "λ_min, keeps H positive definite"),
+        _scalar("damping_floor", "", damping.floor, "lambda_min, keeps H positive definite"),
     ]
 
 

@@ -47,6 +47,14 @@ def test_every_file_says_what_decides_its_text(robot: str) -> None:
             assert all(text in head for text in wanted), path.name
 
 
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_the_code_is_plain_ascii(robot: str) -> None:
+    """Compilers for small machines know no other letters, in comments neither."""
+    for path in (ROOT / "generated" / robot).iterdir():
+        if path.suffix in {".c", ".h", ".hpp"}:
+            assert path.read_bytes().isascii(), path.name
+
+
 def test_every_committed_folder_is_known_here() -> None:
     assert {path.name for path in (ROOT / "generated").iterdir()} == set(ROBOTS)
 

@@ -6,7 +6,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
-from types import TracebackType
 from typing import Any, Self
 
 from proxgen.errors import SimulationError
@@ -62,7 +61,21 @@ def _require_display() -> None:
     x11.XCloseDisplay(ctypes.c_void_p(display))
 
 
-class Client:
+class Closing:
+    """Something that is closed where its `with` block ends."""
+
+    def close(self) -> None:
+        """Give back what it holds; closing twice does nothing."""
+        raise NotImplementedError
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+
+class Client(Closing):
     """One physics client; every call names it, so that several worlds live side by side in one process.
 
     Attributes:
@@ -87,14 +100,6 @@ class Client:
             raise SimulationError(f"pybullet cannot open a world: {error}") from error
         if self.id < 0:
             raise SimulationError("pybullet cannot open a world" + (" with a window" if gui else ""))
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     @property
     def keyword(self) -> dict[str, int]:

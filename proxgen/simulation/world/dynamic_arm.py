@@ -1,14 +1,13 @@
 """The arm as a pybullet multibody with masses, gravity and one velocity motor per joint."""
 
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from proxgen.errors import SimulationError
 from proxgen.model.robot_model import RobotModel
-from proxgen.simulation.world.client import Client
+from proxgen.simulation.world.client import Client, Closing
 from proxgen.simulation.world.rotation import quaternion
 
 Array = NDArray[np.float64]
@@ -21,7 +20,7 @@ _DEFAULT_EFFORT = 1000.0
 """Of a motor whose URDF joint has no effort limit [Nm or N]."""
 
 
-class DynamicArm:
+class DynamicArm(Closing):
     """The model's chain with its masses; velocity motors as strong as the URDF's effort limits.
 
     Links do not collide: what the arm touches is judged by exact distances, not by contacts. The chain comes
@@ -50,14 +49,6 @@ class DynamicArm:
         efforts = np.array(model.pin_model.effortLimit, dtype=float)
         usable = np.isfinite(efforts) & (efforts > 0.0)
         self._efforts = np.where(usable, efforts, _DEFAULT_EFFORT).tolist()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Release the physics client; any other call is then a SimulationError."""

@@ -1,8 +1,6 @@
 """Obstacles and arm as bodies in space: rays against them, pictures by pybullet's software renderer."""
 
 from dataclasses import dataclass
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +9,7 @@ from proxgen.errors import SimulationError
 from proxgen.model.frames import axis_basis
 from proxgen.simulation.arm import ArmGeometry
 from proxgen.simulation.obstacles import Obstacle, ObstacleField
-from proxgen.simulation.world.client import Client, silent
+from proxgen.simulation.world.client import Client, Closing, silent
 from proxgen.simulation.world.rotation import quaternion
 
 Array = NDArray[np.float64]
@@ -54,7 +52,7 @@ class Camera:
     field_of_view: float = 45.0
 
 
-class World:
+class World(Closing):
     """A pybullet world of obstacles, and of the arm's capsules where rays or pictures need them."""
 
     def __init__(
@@ -83,14 +81,6 @@ class World:
         self._decorations: list[int] = []
         if arm_in_rays or gui:
             self._create_arm()
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """Disconnect; closing twice does nothing, any other call is then a SimulationError."""
