@@ -42,10 +42,14 @@ class Tolerances:
 
 
 QUANTITIES = (
-    "qdot", "slack", "H", "g", "A", "ubA", "lb", "ub", "distance", "self_distance", "kkt_residual",
+    "qdot", "slack", "H", "g", "A", "ubA", "lb", "ub", "distance", "self_distance", "tangent", "kkt_residual",
     "bound_penetration",
 )  # fmt: skip
 """What is measured in every cycle; nan where a cycle does not have it."""
+
+
+COUNTS = ("self_readings", "memory_points", "circulating")
+"""What additions count, which has to be the same; 0 for both where an addition is off."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +110,8 @@ class Judge:
             pairs |= {name: (getattr(mine, name), getattr(theirs, name)) for name in ("H", "g", "lb", "ub")}
             pairs["distance"] = mine.distance, theirs.distance
             pairs["self_distance"] = mine.self_distance, theirs.self_distance
+            pairs["tangent"] = mine.tangent, theirs.tangent
+            findings += _count_sentences(mine, theirs)
             both = mine.row_on & theirs.row_on
             pairs["A"] = _where(both, mine.A), _where(both, theirs.A)
             pairs["ubA"] = _where(both, mine.ubA), _where(both, theirs.ubA)
@@ -166,7 +172,7 @@ class Judge:
 
 def _check_shapes(mine: Diagnostics, theirs: Diagnostics) -> None:
     """Refuse to compare different arms."""
-    for name in ("H", "g", "A", "ubA", "lb", "ub", "row_on", "distance", "slack", "self_distance"):
+    for name in ("H", "g", "A", "ubA", "lb", "ub", "row_on", "distance", "slack", "self_distance", "tangent"):
         a, b = np.shape(getattr(mine, name)), np.shape(getattr(theirs, name))
         if a != b:
             raise CompareError(
@@ -205,6 +211,16 @@ def _value_sentence(
     place = ", ".join(str(index) for index in worst)
     values = f"{float(a[worst]):.17g}, in the reference {float(b[worst]):.17g}"
     return f"{name}[{place}] is {values}: error {error:.3g}, tolerance {tolerance:g}"
+
+
+def _count_sentences(mine: Diagnostics, theirs: Diagnostics) -> list[str]:
+    """What additions count, where the two differ."""
+    pairs = {name: (int(getattr(mine, name)), int(getattr(theirs, name))) for name in COUNTS}
+    return [
+        f"{name} is {here}, in the reference {there}"
+        for name, (here, there) in pairs.items()
+        if here != there
+    ]
 
 
 def _row_sentence(row: int, mine: Diagnostics) -> str:

@@ -3,6 +3,7 @@
 Obstacle points crowd around the arm at the distances where the laws have their corners, so that most QPs have
 several rows that conflict; some joints are at or beyond their limits; some inputs are faults. An arm with
 self-collision is often folded, so that its own points are about as far apart as those laws have corners.
+With a memory or circulation some situations last, and sensors read the arm itself where that is removed.
 """
 
 from collections.abc import Callable, Iterator
@@ -11,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from proxgen.compare import lasting
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array, Measurement
 from proxgen.model.kinematics import body_poses
@@ -57,13 +59,25 @@ def random_states(
         faults: probability that a state has a fault.
     """
     rng = np.random.default_rng(seed)
-    time = 0.0
+    time, left = 0.0, 0
+    state: State | None = None
     for _ in range(count):
         time += 1.0 / config.control.rate
-        q = _joint_positions(config, model, rng)
-        xdot = rng.normal(size=model.m) * 10.0 ** rng.uniform(-2.0, 0.3)
-        state = State(q, xdot, _measurement(config, model, q, time, rng), reset=bool(rng.random() < 0.05))
+        if state is not None and left > 0:
+            state = lasting.next_of(state, config, model, time, rng)
+        else:
+            state, left = _new_state(config, model, time, rng), lasting.duration(config, rng)
+        left -= 1
         yield _with_fault(config, model, state, rng) if rng.random() < faults else state
+
+
+def _new_state(config: Config, model: RobotModel, time: float, rng: np.random.Generator) -> State:
+    """A state that has nothing to do with the last one."""
+    q = _joint_positions(config, model, rng)
+    xdot = rng.normal(size=model.m) * 10.0 ** rng.uniform(-2.0, 0.3)
+    seen = _measurement(config, model, q, time, rng)
+    reset = bool(rng.random() < 0.05)
+    return State(q, xdot, lasting.with_own_readings(config, model, q, seen, rng), reset)
 
 
 def _joint_positions(config: Config, model: RobotModel, rng: np.random.Generator) -> Array:
@@ -105,7 +119,7 @@ def _measurement(
 
     Nothing is nearer than a distance that is different in every state, so that calm ones are among them.
     """
-    ranges = np.array([module.tof.range for module in model.tof_modules if module.tof])
+    ranges = lasting.ranges_of(model)
     seeing = rng.random(ranges.size) < rng.choice([0.0, 0.1, 0.5])
     avoidance = config.avoidance
     reach = 1.2 * max(avoidance.d_a, avoidance.damper.influence_distance, avoidance.active.distance)
