@@ -20,14 +20,16 @@ class Picture:
     Attributes:
         title: a few words; the alternative text, too.
         caption: what to see in it.
-        file: the PNG beside the page, relative to it.
+        file: the picture beside the page, relative to it.
         data: the same, base64.
+        kind: its media type.
     """
 
     title: str
     caption: str
     file: str
     data: str
+    kind: str = "image/png"
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,8 @@ class Section:
         corner: heading of the first column.
         remarks: what is wrong, as a list.
         figures: below the table.
+        key: heading of the second column, the rows' keys: by default names in the JSON file.
+        words: the cells are sentences rather than numbers.
     """
 
     anchor: str
@@ -53,6 +57,8 @@ class Section:
     corner: str = ""
     remarks: Sequence[str] = ()
     figures: Sequence[Picture] = ()
+    key: str = "Key"
+    words: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,7 +96,17 @@ class Gallery:
         file = f"figures/{name}.png"
         with style.house_style():
             path = style.save(draw(), self.directory / file)
-        return Picture(title, caption, file, base64.b64encode(path.read_bytes()).decode("ascii"))
+        return Picture(title, caption, file, _encoded(path))
+
+    def show(self, path: Path, title: str, caption: str) -> Picture:
+        """A picture that is there already: a PNG or a GIF in this folder."""
+        file = str(path.relative_to(self.directory))
+        return Picture(title, caption, file, _encoded(path), f"image/{path.suffix.removeprefix('.')}")
+
+
+def _encoded(path: Path) -> str:
+    """A file as base64."""
+    return base64.b64encode(path.read_bytes()).decode("ascii")
 
 
 def write_page(path: Path, page: Page) -> Path:

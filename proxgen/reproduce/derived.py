@@ -24,6 +24,7 @@ def derived_numbers(log: RolloutLog, config: Config) -> dict[str, Any]:
     Returns:
         time_below_d0l_fraction: of the cycles with some link nearer than d_0l.
         link_below_dr_fraction: the same with d_r, link by link, by the capsule's name.
+        start_manipulability: w of (14) in the first cycle.
         escape_time_s: until the manipulability (14) is first at least w_0; the whole duration if never.
         mean_abs_dqdot_seen, mean_abs_dqdot_clear: change of the command per cycle while some link has an
             obstacle within d_a, and while none has [rad/s]; null if that never was.
@@ -47,6 +48,7 @@ def derived_numbers(log: RolloutLog, config: Config) -> dict[str, Any]:
     return {
         "time_below_d0l_fraction": float((distances < thresholds["d_0l"]).any(axis=1).mean()),
         "link_below_dr_fraction": dict(zip(capsules, below.tolist(), strict=True)),
+        "start_manipulability": float(log.manipulability[0]),
         "escape_time_s": _escape_time(log, config.damping.threshold),
         "mean_abs_dqdot_seen": seen,
         "mean_abs_dqdot_clear": clear,

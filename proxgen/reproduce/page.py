@@ -1,0 +1,231 @@
+"""The report: claims and verdicts first, then the paper's figures in its order, and the numbers behind."""
+
+import platform
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import proxgen
+from proxgen.report.page import Gallery, Page, Picture, Section
+from proxgen.report.page import write_page as write_html
+from proxgen.report.tables import Card
+from proxgen.reproduce.claims import BEYOND, PAPER, Verdict, judge
+from proxgen.reproduce.figures import FIGURES
+from proxgen.reproduce.plan import METHODS, SCENES
+from proxgen.reproduce.results import Results
+from proxgen.reproduce.store import write_json
+from proxgen.reproduce.tables import (
+    agreement_table,
+    claims_table,
+    experiments_table,
+    headline,
+    methods_targets,
+    times_table,
+)
+from proxgen.reproduce.tasks import Libraries
+
+TITLE = "Collision Avoidance with Proximity Servoing for Redundant Serial Robot Manipulators"
+
+_PILLAR = {method: f"pillar_{method}" for method in METHODS}
+_GAP = {method: f"gap_{method}" for method in METHODS}
+_MOVING = {"kinematic": "moving_kinematic", "dynamic": "moving_dynamic"}
+
+FIGURE_RUNS: dict[int, dict[str, str]] = {
+    6: {"proposed": "pillar_proposed"},
+    7: {"proposed": "pillar_proposed"},
+    8: _MOVING,
+    9: {"proposed": "pillar_proposed"},
+    10: _PILLAR,
+    11: _GAP,
+    12: _GAP,
+    13: _GAP,
+    14: _MOVING,
+    15: _MOVING,
+}
+"""Which experiment each argument of the paper's figures takes."""
+
+
+def write_page(results: Results, libraries: Libraries, directory: Path, begin: float | None) -> Path:
+    """Write `index.html`, its figures and `reproduce.json`.
+
+    Args:
+        results: of a plan that is done.
+        libraries: which controllers were compiled.
+        directory: where to.
+        begin: moment of `time.monotonic` at which everything began; None if it did not all happen now.
+
+    Returns:
+        The page, which needs no other file and no network.
+
+    Raises:
+        SimulationError: a log cannot be read, or the folder not be written.
+    """
+    gallery = Gallery(directory)
+    parts = [*_paper_sections(results, gallery), *_own_sections(results, libraries)]
+    # Last, so that the time that figures take is part of what is judged.
+    timed = replace(results, minutes=None if begin is None else (time.monotonic() - begin) / 60.0)
+    paper, beyond = judge(PAPER, timed), judge(BEYOND, timed)
+    write_json(directory / "reproduce.json", _json(timed, paper, beyond))
+    page = Page(
+        f"Reproduced: {TITLE}",
+        "The experiments of Y. Ding and U. Thomas, ICRA 2020, in simulation, each from "
+        f"{len(results.plan.starts)} starts (joints ±0.03 rad, targets ±0.02 m) over "
+        f"{results.plan.duration:g} s; numbers are mean ± standard deviation over the starts.",
+        f"proxgen {proxgen.__version__}, Python {platform.python_version()}, {platform.machine()}, "
+        f"plan: {results.plan.name}. All numbers are in reproduce.json, all runs in runs/.",
+        [
+            _claims("claims", "Claims of the paper", paper),
+            _claims("beyond", "Beyond the paper", beyond),
+            *parts,
+        ],
+        _cards(timed, paper, beyond),
+    )
+    return write_html(directory / "index.html", page)
+
+
+def _claims(anchor: str, title: str, verdicts: Sequence[Verdict]) -> Section:
+    """A table of claims."""
+    lead = f"{headline(verdicts)}. Every verdict follows from the runs below by the rule beside it."
+    columns = ("Rule", "Measured", "Verdict")
+    return Section(anchor, title, lead, claims_table(verdicts), columns, "Claim", key="Where", words=True)
+
+
+def _paper_sections(results: Results, gallery: Gallery) -> list[Section]:
+    """The paper's experiments with its figures."""
+    verification, comparison, dynamic = (
+        _figures(results, gallery, numbers) for numbers in ((6, 7, 9, 10), (11, 12, 13), (8, 14, 15))
+    )
+    compared = [f"{scene}_{method}" for scene in ("pillar", "gap") for method in METHODS]
+    return [
+        _experiments(
+            results, "verification", "V.B Function verification",
+            "The pillar, with the paper's skin; beside it the same with true distances, to tell what "
+            "the sensors' blind spots do.",
+            ("pillar_proposed", "true_pillar"), ("skin", "true distances"), verification,
+        ),
+        _experiments(
+            results, "comparison", "V.C Comparison of three methods", "Pillar and gap, with the skin.",
+            compared, [name.replace("_", ", ") for name in compared], comparison,
+        ),
+        _experiments(
+            results, "dynamic", "V.D Dynamic obstacles",
+            "Three spheres approach hand, elbow and forearm at 0.2 m/s. In place of the real robot: a dynamic "
+            "arm behind a model of the control cabinet.",
+            ("moving_kinematic", "moving_dynamic"), ("kinematic plant", "behind the cabinet"), dynamic,
+        ),
+    ]  # fmt: skip
+
+
+def _own_sections(results: Results, libraries: Libraries) -> list[Section]:
+    """What proxgen adds, and how it is checked."""
+    built = [setup.name for setup, library in libraries.items() if library is None]
+    remarks = [f"{', '.join(built)}: run by the reference, as code is not generated yet"] if built else []
+    return [
+        _experiments(
+            results, "improvements", "Improvements, true distances",
+            "The paper's hard rows against the improved configuration where every distance is known exactly.",
+            [f"{kind}_{scene}" for scene in SCENES for kind in ("true", "improved")],
+            [f"{scene}, {kind}" for scene in SCENES for kind in ("paper", "improved")],
+        ),
+        _experiments(
+            results, "dense", "Improvements, denser skin", "Moving obstacles, kinematic plant.",
+            ("moving_kinematic", "dense_moving"), ("paper", "improved and denser"),
+        ),
+        _experiments(
+            results, "noise", "Noise", "Gap, with 5 mm of noise (σ) and 5 % lost samples on every sensor.",
+            [f"noise_{method}" for method in METHODS], METHODS,
+        ),
+        Section(
+            "times", "Cycle times",
+            "Each method replays the cycles of its own run in gap, one after the other, with nothing else running.",
+            times_table(results), list(results.cycle_times), "Time",
+        ),
+        Section(
+            "agreement", "Agreement of compiled controller and reference",
+            "Greatest difference of the velocity, and whether everything else (matrices, statuses, certificates) "
+            f"is within its tolerance too, over {results.plan.agreement_duration:g} s in the closed loop.",
+            agreement_table(results), SCENES, "Controller, sensing", remarks=remarks,
+        ),
+    ]  # fmt: skip
+
+
+def _experiments(
+    results: Results,
+    anchor: str,
+    title: str,
+    lead: str,
+    names: Sequence[str],
+    columns: Sequence[str],
+    figures: Sequence[Picture] = (),
+) -> Section:
+    """A table of some experiments, and figures."""
+    return Section(
+        anchor, title, lead, experiments_table(results, names), columns, "Over all starts", figures=figures
+    )
+
+
+def _figures(results: Results, gallery: Gallery, numbers: Sequence[int]) -> list[Picture]:
+    """Some of the paper's figures."""
+    pictures = []
+    for number in numbers:
+        figure = FIGURES[number]
+        runs = {argument: results.logs(name) for argument, name in FIGURE_RUNS[number].items()}
+        title = f"Figure {number}: {figure.title[:1].lower()}{figure.title[1:]}"
+        draw = partial(figure.draw, **runs)
+        pictures.append(gallery.add(f"figure_{number:02d}", title, figure.caption, draw))
+    return pictures
+
+
+def _cards(results: Results, paper: Sequence[Verdict], beyond: Sequence[Verdict]) -> list[Card]:
+    """What one looks at first."""
+    plan = results.plan
+    took = "–" if results.minutes is None else f"{results.minutes:.1f} min"
+    held = [sum(verdict.judgement.holds is True for verdict in verdicts) for verdicts in (paper, beyond)]
+    return [
+        Card(
+            "Verdicts",
+            [
+                (f"{held[0]} of {len(paper)}", "claims of the paper hold"),
+                (f"{held[1]} of {len(beyond)}", "claims beyond the paper hold"),
+                (str(len(plan.experiments) * len(plan.starts)), f"runs of {plan.duration:g} s"),
+                (took, "for everything"),
+            ],
+        ),
+        Card("Pillar", methods_targets(results, "pillar")),
+        Card("Gap", methods_targets(results, "gap")),
+    ]
+
+
+def _json(results: Results, paper: Sequence[Verdict], beyond: Sequence[Verdict]) -> dict[str, Any]:
+    """Every number of the page, and those of every run."""
+    plan = results.plan
+    return {
+        "proxgen": proxgen.__version__,
+        "plan": {
+            "name": plan.name, "starts": list(plan.starts), "duration_s": plan.duration,
+            "minutes": results.minutes,
+        },
+        "claims": {"paper": [_verdict(v) for v in paper], "beyond": [_verdict(v) for v in beyond]},
+        "experiments": {
+            what.name: {
+                "scene": what.scene, "configuration": what.setup.configuration, "method": what.setup.method,
+                "sensing": what.sensing, "plant": what.plant, "noise_m": what.noise, "dropout": what.dropout,
+                "runs": list(results.numbers[what.name]),
+            }
+            for what in plan.experiments
+        },
+        "agreements": list(results.agreements),
+        "cycle_times": results.cycle_times,
+    }  # fmt: skip
+
+
+def _verdict(verdict: Verdict) -> dict[str, str]:
+    """A claim as plain data."""
+    claim = verdict.claim
+    return {
+        "claim": claim.text, "place": claim.place, "rule": claim.rule.words,
+        "measured": verdict.judgement.measured, "verdict": verdict.word,
+    }  # fmt: skip
