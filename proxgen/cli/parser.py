@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 from proxgen import __version__
-from proxgen.cli import files, measuring, runs
+from proxgen.cli import files, measuring, reproducing, runs
 from proxgen.errors import unknown_name
 
-GROUPS = (files, runs, measuring)
+GROUPS = (files, runs, reproducing, measuring)
 """Modules of verbs; each adds its own to the parser, and imports what a verb needs when it is carried out."""
 
 DESCRIPTION = "From one YAML file to a compiled, certified collision-avoidance controller for any serial arm."

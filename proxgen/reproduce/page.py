@@ -112,8 +112,8 @@ def _paper_sections(results: Results, gallery: Gallery) -> list[Section]:
         ),
         _experiments(
             results, "dynamic", "V.D Dynamic obstacles",
-            "Three spheres approach hand, elbow and forearm at 0.2 m/s. In place of the real robot: a dynamic "
-            "arm behind a model of the control cabinet.",
+            "Three spheres approach hand, elbow and forearm at 0.2 m/s. In place of the real robot: a "
+            "dynamic arm behind a model of the control cabinet.",
             ("moving_kinematic", "moving_dynamic"), ("kinematic plant", "behind the cabinet"), dynamic,
         ),
     ]  # fmt: skip
@@ -140,13 +140,14 @@ def _own_sections(results: Results, libraries: Libraries) -> list[Section]:
         ),
         Section(
             "times", "Cycle times",
-            "Each method replays the cycles of its own run in gap, one after the other, with nothing else running.",
+            "Each method replays the cycles of its own run in gap, in turns, alone on the machine.",
             times_table(results), list(results.cycle_times), "Time",
         ),
         Section(
             "agreement", "Agreement of compiled controller and reference",
-            "Greatest difference of the velocity, and whether everything else (matrices, statuses, certificates) "
-            f"is within its tolerance too, over {results.plan.agreement_duration:g} s in the closed loop.",
+            "Greatest difference of the velocity, and whether everything else (matrices, statuses, "
+            f"certificates) is within its tolerance too, over {results.plan.agreement_duration:g} s in the "
+            "closed loop.",
             agreement_table(results), SCENES, "Controller, sensing", remarks=remarks,
         ),
     ]  # fmt: skip
@@ -170,7 +171,7 @@ def _experiments(
 def _figures(results: Results, gallery: Gallery, numbers: Sequence[int]) -> list[Picture]:
     """Some of the paper's figures."""
     pictures = []
-    for number in numbers:
+    for number in (number for number in numbers if number in FIGURES):
         figure = FIGURES[number]
         runs = {argument: results.logs(name) for argument, name in FIGURE_RUNS[number].items()}
         title = f"Figure {number}: {figure.title[:1].lower()}{figure.title[1:]}"
