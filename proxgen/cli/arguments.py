@@ -41,12 +41,33 @@ def one_of(kind: str, allowed: Iterable[str]) -> Callable[[str], str]:
 
 def seconds(text: str) -> float:
     """A duration above zero: a number of seconds, or with a unit such as `500 ms`."""
-    from proxgen.config.quantities import Time
+    return _quantity("Time", text, gt=0.0, le=1e6)
+
+
+def latency(text: str) -> float:
+    """A time from 0 to a second."""
+    return _quantity("Time", text, ge=0.0, le=1.0)
+
+
+def length(text: str) -> float:
+    """A length from 0: a number of metres, or with a unit such as `5 mm`."""
+    return _quantity("Length", text, ge=0.0, le=0.5)
+
+
+def probability(text: str) -> float:
+    """A number from 0, less than 1."""
+    return _quantity("Number", text, ge=0.0, lt=1.0)
+
+
+def _quantity(kind: str, text: str, **bounds: float) -> float:
+    """A number with or without a unit, as in the YAML file, within bounds."""
+    from proxgen.config import quantities
 
     try:
-        return Time(gt=0.0, le=1e6).parse(text)
+        value: float = getattr(quantities, kind)(**bounds).parse(text)
     except ValueError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
+    return value
 
 
 def whole_number(text: str, least: int = 0) -> int:

@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING, Any
 from proxgen.cli.arguments import (
     add_config,
     add_sensing_and_duration,
+    latency,
+    length,
     new_file,
     new_folder,
     one_of,
+    probability,
     whole_number,
 )
 from proxgen.cli.output import columns, progress_bar, write_json
@@ -21,8 +24,13 @@ if TYPE_CHECKING:
     from proxgen.config.scene import Scene
     from proxgen.controllers.protocol import Controller
     from proxgen.model import RobotModel
+    from proxgen.simulation.plant import Plant
 
-CONTROLLERS = ("compiled", "reference")
+METHODS = ("repulsive", "tangential")
+"""What the paper compares with: the compiled controller with another `avoidance.method`."""
+
+CONTROLLERS = ("compiled", "reference", *METHODS)
+PLANTS = ("kinematic", "dynamic")
 
 
 def add_verbs(verbs: Any) -> None:
@@ -35,9 +43,34 @@ def add_verbs(verbs: Any) -> None:
         type=one_of("controller", CONTROLLERS),
         default="compiled",
         metavar="|".join(CONTROLLERS),
-        help="which one moves the arm (default: compiled)",
+        help="which one moves the arm (default: compiled); the last two are the methods of the comparison",
     )
     add_sensing_and_duration(run)
+    run.add_argument(
+        "--plant",
+        type=one_of("plant", PLANTS),
+        default="kinematic",
+        metavar="|".join(PLANTS),
+        help="follows commands exactly (default), or has masses, behind a model of the control cabinet",
+    )
+    run.add_argument(
+        "--latency", type=latency, metavar="S", help="of the cabinet, with --plant dynamic (default: 10 ms)"
+    )
+    run.add_argument(
+        "--noise", type=length, metavar="M", help="standard deviation of range readings (default: CONFIG's)"
+    )
+    run.add_argument(
+        "--dropout",
+        type=probability,
+        metavar="P",
+        help="probability that a sample of a sensor is lost (default: CONFIG's)",
+    )
+    run.add_argument(
+        "--perturb",
+        type=whole_number,
+        metavar="SEED",
+        help="move start (0.03 rad) and targets (0.02 m) at random, to see what was luck",
+    )
     run.add_argument(
         "--seed", type=whole_number, default=0, metavar="N", help="of noise and dropouts (default: 0)"
     )
@@ -46,7 +79,7 @@ def add_verbs(verbs: Any) -> None:
     )
     run.add_argument("--json", type=new_file, metavar="FILE", help="write the numbers there")
     run.add_argument("--gui", action="store_true", help="show the simulation in a window")
-    run.set_defaults(carry_out=carry_out_run)
+    run.set_defaults(carry_out=carry_out_run, refuse=run.error)
 
     compare = verbs.add_parser(
         "compare", help="feed the same states to the compiled controller and to the reference"
@@ -68,17 +101,27 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
     """Simulate, say what came out, write what was asked for."""
     from proxgen.config import load
     from proxgen.config.scene import load_scene
+    from proxgen.config.variants import with_method
     from proxgen.model import build_model
 
+    _refuse_what_has_no_effect(arguments)
     config = load(arguments.config)
+    if arguments.controller in METHODS:
+        config = with_method(config, arguments.controller)
     scene = load_scene(arguments.scene, beside=arguments.config)
-    model = build_model(config)
+    sensed = _with_worse_sensors(config, arguments)
+    model = build_model(sensed)
     from proxgen.simulation.rollout import run
+    from proxgen.simulation.scenery import perturbed
 
+    offset = None
+    if arguments.perturb is not None:
+        scene, offset = perturbed(scene, model, arguments.perturb)
     controller = _controller(arguments.controller, config, model)
+    plant = _plant(arguments, model)
     with progress_bar(f"{config.robot.name} in {scene.name}") as progress:
         log = run(
-            config,
+            sensed,
             model,
             controller,
             scene,
@@ -87,6 +130,8 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
             seed=arguments.seed,
             progress=progress,
             gui=arguments.gui,
+            start_offset=offset,
+            plant=plant,
         )
     summary = log.summary()
     print(columns([(key, _shown(value)) for key, value in summary.items()]))
@@ -98,8 +143,36 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
         arguments.out.mkdir(parents=True, exist_ok=True)
         log.save(arguments.out / "log.npz")
         write_json(arguments.out / "summary.json", summary)
-        print(f"report: {write_report(arguments.out, [log], config=config)}")
+        print(f"report: {write_report(arguments.out, [log], config=sensed)}")
     return 0
+
+
+def _refuse_what_has_no_effect(arguments: argparse.Namespace) -> None:
+    """Flags that say something of what is not there are a mistake; exit status 2."""
+    if arguments.latency is not None and arguments.plant != "dynamic":
+        arguments.refuse("--latency is the control cabinet's; it needs --plant dynamic")
+    for flag in ("noise", "dropout"):
+        if getattr(arguments, flag) is not None and arguments.sensing != "skin":
+            arguments.refuse(f"--{flag} is of the skin's sensors; it needs --sensing skin")
+
+
+def _with_worse_sensors(config: "Config", arguments: argparse.Namespace) -> "Config":
+    """The configuration with noise and dropouts, if any are asked for; the controller knows nothing of them."""
+    from proxgen.config.variants import with_noise
+
+    if arguments.noise is None and arguments.dropout is None:
+        return config
+    return with_noise(config, arguments.noise, arguments.dropout)
+
+
+def _plant(arguments: argparse.Namespace, model: "RobotModel") -> "Plant | None":
+    """What moves; None: every command is followed exactly."""
+    if arguments.plant == "kinematic":
+        return None
+    from proxgen.simulation.cabinet import Cabinet
+    from proxgen.simulation.dynamic_plant import DynamicPlant
+
+    return DynamicPlant(model, Cabinet() if arguments.latency is None else Cabinet(arguments.latency))
 
 
 def carry_out_compare(arguments: argparse.Namespace) -> int:
@@ -151,7 +224,9 @@ def _controller(name: str, config: "Config", model: "RobotModel") -> "Controller
         return ReferenceController(config, model)
     import proxgen
 
-    controller: Controller = proxgen.build(config)
+    # A folder for each method, so that switching compiles nothing.
+    folder = Path("build") / f"{config.robot.name}-{name}" if name in METHODS else None
+    controller: Controller = proxgen.build(config, folder)
     return controller
 
 

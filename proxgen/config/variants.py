@@ -52,18 +52,20 @@ def with_method(config: Config, method: str) -> Config:
     return override(config, {"avoidance.method": method} | changes)
 
 
-def with_noise(config: Config, noise: float, dropout: float) -> Config:
+def with_noise(config: Config, noise: float | None, dropout: float | None) -> Config:
     """The configuration with sensors that are less good, those of every cuff, in simulation.
 
     Args:
         config: as loaded.
-        noise: standard deviation of every range reading [m].
-        dropout: probability that a sample of a range sensor or a switch is lost.
+        noise: standard deviation of every range reading [m]; None: as configured.
+        dropout: probability that a sample of a range sensor or a switch is lost; None: as configured.
     """
     data = config.model_dump(mode="json")["skin"]
+    worse = {"noise": noise, "dropout": dropout}
+    given = {key: value for key, value in worse.items() if value is not None}
     for part in (data, *data["cuffs"]):
         if part["tof"] is not None:
-            part["tof"] |= {"noise": noise, "dropout": dropout}
+            part["tof"] |= given
         if part["capacitive"] is not None:
-            part["capacitive"] |= {"dropout": dropout}
+            part["capacitive"] |= {key: value for key, value in given.items() if key == "dropout"}
     return override(config, {"skin": data})

@@ -2,7 +2,7 @@
 
 import operator
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -12,12 +12,21 @@ from proxgen.reproduce.results import Results, look_up
 
 @dataclass(frozen=True)
 class Unit:
-    """How a number is written: what it is in words, scale to the unit, unit, digits behind the point."""
+    """How a number is written: what it is in words, scale to the unit, unit, digits behind the point.
+
+    Attributes:
+        words: what it is.
+        scale: from SI.
+        unit: behind it.
+        digits: behind the point.
+        whole: single values are whole numbers, and only their mean has digits.
+    """
 
     words: str
     scale: float = 1.0
     unit: str = ""
     digits: int = 1
+    whole: bool = False
 
     def write(self, value: float) -> str:
         """A value with its unit."""
@@ -30,7 +39,7 @@ class Unit:
 
 
 UNITS = {
-    "targets_reached": Unit("targets reached"),
+    "targets_reached": Unit("targets reached", whole=True),
     "min_distance_axis_m": Unit("least distance to a link's axis", 1.0, "m", 3),
     "min_distance_surface_m": Unit("least distance to a link's surface", 1.0, "m", 3),
     "time_below_dr_fraction": Unit("time with a link below d_r", 100.0, "%", 2),
@@ -44,12 +53,12 @@ UNITS = {
     "mean_abs_dqdot_seen": Unit("mean change of the command with an obstacle in view", 1e3, "mrad/s", 1),
     "mean_abs_dqdot_clear": Unit("the same with none in view", 1e3, "mrad/s", 1),
     "mean_abs_joint_jump": Unit("mean change of the joints' velocity", 1e3, "mrad/s", 2),
-    "sudden_obstacles": Unit("obstacles first seen nearer than d_0u"),
+    "sudden_obstacles": Unit("obstacles first seen nearer than d_0u", whole=True),
     "start_manipulability": Unit("manipulability at the start", 1e3, "·10⁻³", 3),
     "escape_time_s": Unit("time to leave the singularity", 1.0, "s", 2),
     "path_per_straight": Unit("tool's path per straight way", digits=2),
     "deflection_m": Unit("greatest deflection of the tool", 1.0, "m", 2),
-    "passes_between": Unit("passes between the boxes"),
+    "passes_between": Unit("passes between the boxes", whole=True),
     "last_motion_m": Unit("tool's path in the last 10 s", 1.0, "m", 2),
     "mean_us": Unit("mean cycle time", 1.0, "µs", 1),
 }
@@ -75,7 +84,7 @@ def unit_of(key: str) -> Unit:
     """How the number at a key is written."""
     first, _, rest = key.partition(".")
     unit = UNITS[first]
-    return Unit(f"{unit.words} {rest}", unit.scale, unit.unit, unit.digits) if rest else unit
+    return replace(unit, words=f"{unit.words} {rest}") if rest else unit
 
 
 @dataclass(frozen=True)
@@ -139,7 +148,8 @@ class Quantity:
         values, unit = self.values(results), unit_of(self.key)
         if not values:
             return "–"
-        text = unit.write(STATISTICS[self.statistic](values))
+        single = replace(unit, digits=0) if unit.whole and self.statistic != "mean" else unit
+        text = single.write(STATISTICS[self.statistic](values))
         if self.statistic != "mean" or len(values) < 2:
             return text
         return f"{mean_and_spread(values, unit)} {unit.unit}".rstrip()
@@ -297,4 +307,5 @@ def mean_and_spread(values: list[float], unit: Unit, *, with_range: bool = True)
     if len(values) < 2:
         return text
     spread = f"{text} ± {unit.bare(float(np.std(values, ddof=1)))}"
-    return f"{spread} ({unit.bare(min(values))} to {unit.bare(max(values))})" if with_range else spread
+    ends = replace(unit, digits=0) if unit.whole else unit
+    return f"{spread} ({ends.bare(min(values))} to {ends.bare(max(values))})" if with_range else spread

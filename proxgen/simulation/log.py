@@ -45,7 +45,7 @@ class RolloutLog:
         damping: (T,) lambda of (15).
         kkt_residual: (T,) of the certificate; nan if nothing was solved.
         cycle_us: (T,) wall time of `controller.step` [us].
-        meta: scene, robot, controller, backend, sensing, plant, seed, period, thresholds, schedule,
+        meta: scene, robot, controller, method, backend, sensing, plant, seed, period, thresholds, schedule,
             distance_reference, q_lower, q_upper, qdot_limit, joint_names, capsule_names, capsule_radii,
             targets, obstacles: numbers, texts and lists.
     """

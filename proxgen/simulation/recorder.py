@@ -99,11 +99,11 @@ def describe(
     """What a log says of robot, controller and surroundings, as numbers, texts and lists."""
     parameters = controller.parameters
     known = {name: float(parameters[name]) for name in THRESHOLDS if name in parameters}
-    kind = type(controller).__name__.removesuffix("Controller").lower()
     return {
         "scene": around.name,
         "robot": model.name,
-        "controller": str(getattr(controller, "name", kind)),
+        "controller": _name_of(controller, config.avoidance.method),
+        "method": config.avoidance.method,
         "backend": str(getattr(controller, "backend", "none")),
         "period": 1.0 / config.control.rate,
         "thresholds": {"d_r": config.avoidance.d_r} | known,
@@ -118,3 +118,11 @@ def describe(
         "targets": [target.position.tolist() for target in around.targets],
         "obstacles": [obstacle.to_plain() for obstacle in around.field.obstacles],
     }
+
+
+def _name_of(controller: Controller, method: str) -> str:
+    """`compiled` or `reference`; of the compiled controller, its method if that is not the proposed one."""
+    kind = str(getattr(controller, "name", type(controller).__name__.removesuffix("Controller").lower()))
+    if method == "proposed":
+        return kind
+    return method if kind == "compiled" else f"{kind}, {method}"
