@@ -157,7 +157,7 @@ def _refuse_what_has_no_effect(arguments: argparse.Namespace) -> None:
 
 
 def _with_worse_sensors(config: "Config", arguments: argparse.Namespace) -> "Config":
-    """The configuration with noise and dropouts, if any are asked for; the controller knows nothing of them."""
+    """The configuration with noise and dropouts, if any are asked for; the controller is not told."""
     from proxgen.config.variants import with_noise
 
     if arguments.noise is None and arguments.dropout is None:
