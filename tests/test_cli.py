@@ -15,7 +15,7 @@ from proxgen.errors import BuildError, ProxgenWarning
 
 ROOT = Path(__file__).parent.parent
 PLANAR2 = str(ROOT / "examples" / "planar2" / "planar2.yaml")
-VERBS = "bench, build, check, compare, generate, init, run, schema"
+VERBS = "bench, build, check, compare, generate, init, reproduce, run, schema"
 
 RUN_KEYS = {
     "scene", "controller", "backend", "sensing", "seed", "duration_s", "cycles", "targets_reached",
@@ -58,7 +58,7 @@ def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str
     ("words", "message"),
     [
         (["chek"], f"proxgen: unknown verb 'chek'; did you mean 'check'? (allowed: {VERBS})"),
-        (["explode"], f"proxgen: unknown verb 'explode' (allowed: {VERBS})"),
+        (["fly"], f"proxgen: unknown verb 'fly' (allowed: {VERBS})"),
         (
             ["--verion"],
             "proxgen: unknown flag '--verion'; did you mean '--version'? (allowed: --help, --version)",
@@ -83,7 +83,7 @@ def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str
         (
             ["run", "a.yaml", "--scene", "gap", "--controller", "refrence"],
             "proxgen run: argument --controller: unknown controller 'refrence'; did you mean 'reference'? "
-            "(allowed: compiled, reference)",
+            "(allowed: compiled, reference, repulsive, tangential)",
         ),
         (
             ["compare", "a.yaml", "--sensing", "exact"],

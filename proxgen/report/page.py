@@ -45,8 +45,7 @@ class Section:
         corner: heading of the first column.
         remarks: what is wrong, as a list.
         figures: below the table.
-        key: heading of the second column, the rows' keys: by default names in the JSON file.
-        words: the cells are sentences rather than numbers.
+        claims: a table of claims, above the other one.
     """
 
     anchor: str
@@ -57,8 +56,7 @@ class Section:
     corner: str = ""
     remarks: Sequence[str] = ()
     figures: Sequence[Picture] = ()
-    key: str = "Key"
-    words: bool = False
+    claims: Sequence[Any] = ()
 
 
 @dataclass(frozen=True)

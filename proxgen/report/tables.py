@@ -26,6 +26,25 @@ class Row:
 
 
 @dataclass(frozen=True)
+class ClaimRow:
+    """A claim beside the conditions under which it holds.
+
+    Attributes:
+        title: what is claimed.
+        place: where.
+        parts: conditions: what is asked, what was measured, whether it is so (None: nobody can say).
+        verdict: in a word or two.
+        good: the same as True, False or None.
+    """
+
+    title: str
+    place: str
+    parts: list[tuple[str, str, bool | None]]
+    verdict: str
+    good: bool | None
+
+
+@dataclass(frozen=True)
 class Card:
     """The few numbers of a run that one looks at first: pairs of number and meaning."""
 

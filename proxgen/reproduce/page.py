@@ -89,8 +89,7 @@ def write_page(results: Results, libraries: Libraries, directory: Path, begin: f
 def _claims(anchor: str, title: str, verdicts: Sequence[Verdict]) -> Section:
     """A table of claims."""
     lead = f"{headline(verdicts)}. Every verdict follows from the runs below by the rule beside it."
-    columns = ("Rule", "Measured", "Verdict")
-    return Section(anchor, title, lead, claims_table(verdicts), columns, "Claim", key="Where", words=True)
+    return Section(anchor, title, lead, claims=claims_table(verdicts))
 
 
 def _paper_sections(results: Results, gallery: Gallery) -> list[Section]:
@@ -223,10 +222,12 @@ def _json(results: Results, paper: Sequence[Verdict], beyond: Sequence[Verdict])
     }  # fmt: skip
 
 
-def _verdict(verdict: Verdict) -> dict[str, str]:
+def _verdict(verdict: Verdict) -> dict[str, Any]:
     """A claim as plain data."""
-    claim = verdict.claim
+    parts = [vars(part) for part in verdict.judgement.parts]
     return {
-        "claim": claim.text, "place": claim.place, "rule": claim.rule.words,
-        "measured": verdict.judgement.measured, "verdict": verdict.word,
-    }  # fmt: skip
+        "claim": verdict.claim.text,
+        "place": verdict.claim.place,
+        "verdict": verdict.word,
+        "parts": parts,
+    }

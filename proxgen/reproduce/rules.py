@@ -72,11 +72,11 @@ STATISTICS: dict[str, Callable[[list[float]], float]] = {
 }
 
 _RELATIONS: dict[str, tuple[str, Callable[[float, float], bool]]] = {
-    ">=": ("at least", operator.ge),
-    "<=": ("at most", operator.le),
-    ">": ("more than", operator.gt),
-    "<": ("less than", operator.lt),
-    "==": ("exactly", operator.eq),
+    ">=": ("≥", operator.ge),
+    "<=": ("≤", operator.le),
+    ">": (">", operator.gt),
+    "<": ("<", operator.lt),
+    "==": ("=", operator.eq),
 }
 
 
@@ -88,24 +88,29 @@ def unit_of(key: str) -> Unit:
 
 
 @dataclass(frozen=True)
+class Part:
+    """One condition of a rule: what is asked, what was measured, whether it holds (None: cannot be judged)."""
+
+    words: str
+    measured: str
+    holds: bool | None
+
+
+@dataclass(frozen=True)
 class Judgement:
     """What a rule says of the data.
 
     Attributes:
         holds: None if there is nothing to judge by.
-        measured: in words.
+        parts: its conditions.
     """
 
     holds: bool | None
-    measured: str
+    parts: tuple[Part, ...]
 
 
 class Rule(Protocol):
     """Something that is to hold."""
-
-    @property
-    def words(self) -> str:
-        """What is asked, as a sentence."""
 
     def judge(self, results: Results) -> Judgement:
         """Whether it holds."""
@@ -128,10 +133,15 @@ class Quantity:
     label: str = ""
 
     @property
-    def words(self) -> str:
-        """Which number it is."""
-        where = self.label or ", ".join(name.replace("_", " ") for name in self.experiments)
-        return f"{where}: {self.statistic} {unit_of(self.key).words}"
+    def where(self) -> str:
+        """Which experiments."""
+        return self.label or ", ".join(name.replace("_", " ") for name in self.experiments)
+
+    @property
+    def what(self) -> str:
+        """Which number."""
+        over = {"mean": "mean", "sum": "all runs", "least": "least of all runs"}
+        return f"{unit_of(self.key).words}, {over.get(self.statistic, 'greatest of all runs')}"
 
     def values(self, results: Results) -> list[float]:
         """The number of every run that has it."""
@@ -144,52 +154,48 @@ class Quantity:
         return STATISTICS[self.statistic](values) if values else None
 
     def written(self, results: Results) -> str:
-        """The statistic with its spread."""
+        """The statistic; a mean with its spread."""
         values, unit = self.values(results), unit_of(self.key)
         if not values:
             return "–"
+        if self.statistic == "mean" and len(values) > 1:
+            return f"{mean_and_spread(values, unit)} {unit.unit}".rstrip()
         single = replace(unit, digits=0) if unit.whole and self.statistic != "mean" else unit
-        text = single.write(STATISTICS[self.statistic](values))
-        if self.statistic != "mean" or len(values) < 2:
-            return text
-        return f"{mean_and_spread(values, unit)} {unit.unit}".rstrip()
+        return single.write(STATISTICS[self.statistic](values))
 
 
 @dataclass(frozen=True)
 class Compare:
-    """A quantity against a number, or against another quantity."""
+    """A quantity against a number, or against another quantity, perhaps times a factor."""
 
     left: Quantity
     relation: str
-    right: "Quantity | float"
+    right: Quantity | float
     factor: float = 1.0
 
     @property
     def words(self) -> str:
         """What is asked."""
-        relation = _RELATIONS[self.relation][0]
-        if isinstance(self.right, Quantity):
-            part = "" if self.factor == 1.0 else f"{self.factor:g} times "
-            return f"{self.left.words}, {relation} {part}that of {self._other()}"
-        return f"{self.left.words} {relation} {unit_of(self.left.key).write(self.right)}"
-
-    def _other(self) -> str:
-        """The right side, in so far as it is another one."""
-        assert isinstance(self.right, Quantity)
-        where, _, what = self.right.words.partition(": ")
-        return where if what == self.left.words.partition(": ")[2] else self.right.words
+        sign, left = _RELATIONS[self.relation][0], self.left
+        if not isinstance(self.right, Quantity):
+            unit = unit_of(left.key)
+            return f"{left.where}: {left.what} {sign} {unit.scale * self.right:g} {unit.unit}".rstrip()
+        times = "" if self.factor == 1.0 else f"{self.factor:g} × "
+        if left.what == self.right.what:
+            return f"{left.what}: {left.where} {sign} {times}{self.right.where}"
+        return f"{left.where}: {left.what} {sign} {times}{self.right.what}"
 
     def judge(self, results: Results) -> Judgement:
         """Whether it holds."""
         left, written = self.left.value(results), self.left.written(results)
         right: float | None
         if isinstance(self.right, Quantity):
-            right, written = self.right.value(results), f"{written} against {self.right.written(results)}"
+            right, written = self.right.value(results), f"{written}, against {self.right.written(results)}"
         else:
             right = self.right
-        if left is None or right is None:
-            return Judgement(None, written)
-        return Judgement(bool(_RELATIONS[self.relation][1](left, self.factor * right)), written)
+        known = left is not None and right is not None
+        holds = bool(_RELATIONS[self.relation][1](left, self.factor * right)) if known else None  # type: ignore[arg-type, operator]
+        return Judgement(holds, (Part(self.words, written, holds),))
 
 
 @dataclass(frozen=True)
@@ -198,17 +204,12 @@ class All:
 
     rules: tuple[Rule, ...]
 
-    @property
-    def words(self) -> str:
-        """What is asked."""
-        return "; ".join(rule.words for rule in self.rules)
-
     def judge(self, results: Results) -> Judgement:
         """False if one does not hold, None if one cannot be judged, else True."""
-        parts = [rule.judge(results) for rule in self.rules]
-        verdicts = [part.holds for part in parts]
+        judged = [rule.judge(results) for rule in self.rules]
+        verdicts = [one.holds for one in judged]
         holds = False if False in verdicts else None if None in verdicts else True
-        return Judgement(holds, "; ".join(part.measured for part in parts))
+        return Judgement(holds, tuple(part for one in judged for part in one.parts))
 
 
 @dataclass(frozen=True)
@@ -217,24 +218,25 @@ class Either:
 
     rules: tuple[Rule, ...]
 
-    @property
-    def words(self) -> str:
-        """What is asked."""
-        return "; or ".join(rule.words for rule in self.rules)
-
     def judge(self, results: Results) -> Judgement:
         """True if one holds, None if none does and one cannot be judged, else False."""
-        parts = [rule.judge(results) for rule in self.rules]
-        verdicts = [part.holds for part in parts]
+        judged = [rule.judge(results) for rule in self.rules]
+        verdicts = [one.holds for one in judged]
         holds = True if True in verdicts else None if None in verdicts else False
-        return Judgement(holds, "; ".join(part.measured for part in parts))
+        parts = []
+        for index, one in enumerate(judged):
+            for number, part in enumerate(one.parts):
+                joint = "" if index == 0 else "and " if number else "or "
+                needed = one.holds is True or holds is not True
+                parts.append(replace(part, words=joint + part.words, holds=part.holds if needed else None))
+        return Judgement(holds, tuple(parts))
 
 
 @dataclass(frozen=True)
 class Agreed:
     """Compiled controller and reference decide the same, in every comparison of the plan."""
 
-    words: str = "every comparison of compiled controller and reference passes its tolerances (1e-8 rad/s)"
+    words: str = "every comparison of compiled controller and reference within its tolerances (1e-8 rad/s)"
 
     def judge(self, results: Results) -> Judgement:
         """Whether all pass."""
@@ -245,60 +247,55 @@ class Agreed:
         measured = f"{passed} of {len(results.agreements)} pass, greatest difference {greatest:.1e} rad/s"
         if missing:
             measured += f"; {missing} not compared: the compiled controller lacks the method or an addition"
-        if passed < len(done):
-            return Judgement(False, measured)
-        return Judgement(None if missing or not done else True, measured)
+        holds = False if passed < len(done) else None if missing or not done else True
+        return Judgement(holds, (Part(self.words, measured, holds),))
 
 
 @dataclass(frozen=True)
 class CycleTimes:
-    """Mean cycle times of the two methods, replayed one after the other on an otherwise idle machine.
+    """Mean cycle times of two methods that take turns on an otherwise idle machine.
 
     Attributes:
         way: `c` or `python`: from where the compiled controllers are called.
-        longer: True: the proposed method takes longer; None: both are below the paper's times.
+        longer: True: the proposed method takes longer; False: both take at most what they did in the paper.
     """
 
     way: str
     longer: bool
 
+    PAPER = {"proposed": 7800.0, "repulsive": 4200.0}
+    """[us]"""
+
     @property
     def words(self) -> str:
         """What is asked."""
-        if self.longer:
-            return f"mean cycle time of proposed more than that of repulsive (called from {self._caller})"
-        return f"mean cycle times at most 7.8 and 4.2 ms (called from {self._caller})"
-
-    @property
-    def _caller(self) -> str:
-        return {"c": "C", "python": "Python"}[self.way]
+        asked = "proposed > repulsive" if self.longer else "proposed ≤ 7.8 ms and repulsive ≤ 4.2 ms"
+        return f"mean cycle time, called from {'C' if self.way == 'c' else 'Python'}: {asked}"
 
     def judge(self, results: Results) -> Judgement:
         """Whether it holds."""
-        times = [results.cycle_times[method][self.way] for method in ("proposed", "repulsive")]
-        if None in times:
-            return Judgement(None, "no compiled controller for both methods")
-        proposed, repulsive = (time["mean_us"] for time in times)
-        measured = f"{proposed:.2f} and {repulsive:.2f} µs, ratio {proposed / repulsive:.2f}"
-        if self.longer:
-            return Judgement(proposed > repulsive, f"{measured} (paper: 1.86)")
-        return Judgement(proposed <= 7800.0 and repulsive <= 4200.0, measured)
+        times = {method: results.cycle_times[method][self.way] for method in self.PAPER}
+        if None in times.values():
+            return Judgement(None, (Part(self.words, "not compiled for both methods", None),))
+        proposed, repulsive = (times[method]["mean_us"] for method in self.PAPER)
+        measured = f"{proposed:.2f} and {repulsive:.2f} µs, ratio {proposed / repulsive:.2f} (paper: 1.86)"
+        within = all(times[method]["mean_us"] <= limit for method, limit in self.PAPER.items())
+        holds = proposed > repulsive if self.longer else within
+        return Judgement(holds, (Part(self.words, measured, holds),))
 
 
 @dataclass(frozen=True)
 class InTime:
     """The whole call takes no longer than the plan allows."""
 
-    words: str = "from the first run to the page, at most 25 minutes on two cores (4 with --quick)"
-
     def judge(self, results: Results) -> Judgement:
         """Only a call that did everything itself can be judged."""
-        if results.minutes is None:
-            return Judgement(None, "results of an earlier call were used")
-        return Judgement(
-            results.minutes <= results.plan.limit_minutes,
-            f"{results.minutes:.1f} minutes of {results.plan.limit_minutes:g}",
-        )
+        limit, minutes = results.plan.limit_minutes, results.minutes
+        words = f"builds, runs and this page take ≤ {limit:g} minutes on two cores"
+        if minutes is None:
+            return Judgement(None, (Part(words, "results of an earlier call were used", None),))
+        holds = minutes <= limit
+        return Judgement(holds, (Part(words, f"{minutes:.1f} minutes", holds),))
 
 
 def mean_and_spread(values: list[float], unit: Unit, *, with_range: bool = True) -> str:

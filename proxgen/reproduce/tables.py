@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from proxgen.report.tables import Row, millimetres
+from proxgen.report.tables import ClaimRow, Row, millimetres
 from proxgen.reproduce.claims import Verdict
 from proxgen.reproduce.plan import METHODS, SCENES
 from proxgen.reproduce.results import Results, look_up
@@ -25,14 +25,15 @@ _ROWS = (
 """Title, key, statistic over the starts, and what it has to be."""
 
 
-def claims_table(verdicts: Sequence[Verdict]) -> list[Row]:
-    """A row per claim: where it stands, rule, what was measured, verdict."""
+def claims_table(verdicts: Sequence[Verdict]) -> list[ClaimRow]:
+    """A row per claim: where it stands, the conditions of its rule, what was measured, verdict."""
     return [
-        Row(
+        ClaimRow(
             f"{number}. {verdict.claim.text}",
             verdict.claim.place,
-            [verdict.claim.rule.words, verdict.judgement.measured, verdict.word],
-            [None, None, verdict.judgement.holds],
+            [(part.words, part.measured, part.holds) for part in verdict.judgement.parts],
+            verdict.word,
+            verdict.judgement.holds,
         )
         for number, verdict in enumerate(verdicts, start=1)
     ]
