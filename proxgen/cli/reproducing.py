@@ -4,7 +4,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from proxgen.cli.output import columns, progress_bar
+from proxgen.cli.arguments import new_folder
+from proxgen.cli.output import progress_bar
 
 OUT = Path("out/reproduce")
 
@@ -17,7 +18,7 @@ def add_verbs(verbs: Any) -> None:
     verb.add_argument("--quick", action="store_true", help="two starts instead of eight, shorter comparisons")
     verb.add_argument(
         "--out",
-        type=Path,
+        type=new_folder,
         default=OUT,
         metavar="DIR",
         help=f"for the page, the numbers and the runs; what is finished there is used (default: {OUT})",
@@ -27,19 +28,18 @@ def add_verbs(verbs: Any) -> None:
 
 def carry_out_reproduce(arguments: argparse.Namespace) -> int:
     """Run what is missing, say what came out, write the page; claims that do not hold are no failure."""
-    from proxgen.reproduce.claims import BEYOND, PAPER, judge
     from proxgen.reproduce.plan import full_plan, quick_plan
     from proxgen.reproduce.run import reproduce
     from proxgen.reproduce.tables import headline
 
     plan = quick_plan() if arguments.quick else full_plan()
     with progress_bar(f"reproduce ({plan.name})") as progress:
-        results, page = reproduce(plan, arguments.out, progress=progress, say=_say)
-    for title, claims in (("claims of the paper", PAPER), ("beyond the paper", BEYOND)):
-        verdicts = judge(claims, results)
+        outcome = reproduce(plan, arguments.out, progress=progress, say=_say)
+    for title, verdicts in (("claims of the paper", outcome.paper), ("beyond the paper", outcome.beyond)):
         print(f"\n{title}: {headline(verdicts)}")
-        print(columns([(f"  {verdict.claim.text}", verdict.word) for verdict in verdicts]))
-    print(f"report: {page}")
+        for verdict in verdicts:
+            print(f"  {verdict.word:<14} {verdict.claim.text}")
+    print(f"report: {outcome.page}")
     return 0
 
 

@@ -3,12 +3,14 @@
 import platform
 import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import proxgen
+from proxgen.config import load
+from proxgen.model import build_model
 from proxgen.report.page import Gallery, Page, Picture, Section
 from proxgen.report.page import write_page as write_html
 from proxgen.report.tables import Card
@@ -36,7 +38,7 @@ _MOVING = {"kinematic": "moving_kinematic", "dynamic": "moving_dynamic"}
 FIGURE_RUNS: dict[int, dict[str, str]] = {
     6: {"proposed": "pillar_proposed"},
     7: {"proposed": "pillar_proposed"},
-    8: _MOVING,
+    8: {"dynamic": "moving_dynamic"},
     9: {"proposed": "pillar_proposed"},
     10: _PILLAR,
     11: _GAP,
@@ -47,8 +49,28 @@ FIGURE_RUNS: dict[int, dict[str, str]] = {
 }
 """Which experiment each argument of the paper's figures takes."""
 
+WITH_ARM = (6, 7, 8, 11, 14)
+"""Figures that draw the arm, or its joints in their units."""
 
-def write_page(results: Results, libraries: Libraries, directory: Path, begin: float | None) -> Path:
+
+@dataclass(frozen=True)
+class Outcome:
+    """What came of a plan.
+
+    Attributes:
+        results: all numbers.
+        paper: verdicts on the paper's claims.
+        beyond: verdicts on proxgen's own.
+        page: where they are to be read.
+    """
+
+    results: Results
+    paper: list[Verdict]
+    beyond: list[Verdict]
+    page: Path
+
+
+def write_page(results: Results, libraries: Libraries, directory: Path, begin: float | None) -> Outcome:
     """Write `index.html`, its figures and `reproduce.json`.
 
     Args:
@@ -58,7 +80,7 @@ def write_page(results: Results, libraries: Libraries, directory: Path, begin: f
         begin: moment of `time.monotonic` at which everything began; None if it did not all happen now.
 
     Returns:
-        The page, which needs no other file and no network.
+        The verdicts, and the page, which needs no other file and no network.
 
     Raises:
         SimulationError: a log cannot be read, or the folder not be written.
@@ -83,7 +105,7 @@ def write_page(results: Results, libraries: Libraries, directory: Path, begin: f
         ],
         _cards(timed, paper, beyond),
     )
-    return write_html(directory / "index.html", page)
+    return Outcome(timed, paper, beyond, write_html(directory / "index.html", page))
 
 
 def _claims(anchor: str, title: str, verdicts: Sequence[Verdict]) -> Section:
@@ -169,12 +191,13 @@ def _experiments(
 
 def _figures(results: Results, gallery: Gallery, numbers: Sequence[int]) -> list[Picture]:
     """Some of the paper's figures."""
+    arm = {"model": build_model(load(results.plan.configurations["paper"]))}
     pictures = []
     for number in (number for number in numbers if number in FIGURES):
         figure = FIGURES[number]
         runs = {argument: results.logs(name) for argument, name in FIGURE_RUNS[number].items()}
         title = f"Figure {number}: {figure.title[:1].lower()}{figure.title[1:]}"
-        draw = partial(figure.draw, **runs)
+        draw = partial(figure.draw, **runs, **(arm if number in WITH_ARM else {}))
         pictures.append(gallery.add(f"figure_{number:02d}", title, figure.caption, draw))
     return pictures
 
@@ -225,9 +248,5 @@ def _json(results: Results, paper: Sequence[Verdict], beyond: Sequence[Verdict])
 def _verdict(verdict: Verdict) -> dict[str, Any]:
     """A claim as plain data."""
     parts = [vars(part) for part in verdict.judgement.parts]
-    return {
-        "claim": verdict.claim.text,
-        "place": verdict.claim.place,
-        "verdict": verdict.word,
-        "parts": parts,
-    }
+    claim = verdict.claim
+    return {"claim": claim.text, "place": claim.place, "verdict": verdict.word, "parts": parts}

@@ -89,7 +89,7 @@ def unit_of(key: str) -> Unit:
 
 @dataclass(frozen=True)
 class Part:
-    """One condition of a rule: what is asked, what was measured, whether it holds (None: cannot be judged)."""
+    """One condition of a rule: what is asked, what was measured, whether it holds (None: nobody can say)."""
 
     words: str
     measured: str
@@ -251,6 +251,10 @@ class Agreed:
         return Judgement(holds, (Part(self.words, measured, holds),))
 
 
+PAPER_TIMES = {"proposed": 7800.0, "repulsive": 4200.0}
+"""Mean cycle times of the paper (section V.B) [us]."""
+
+
 @dataclass(frozen=True)
 class CycleTimes:
     """Mean cycle times of two methods that take turns on an otherwise idle machine.
@@ -263,9 +267,6 @@ class CycleTimes:
     way: str
     longer: bool
 
-    PAPER = {"proposed": 7800.0, "repulsive": 4200.0}
-    """[us]"""
-
     @property
     def words(self) -> str:
         """What is asked."""
@@ -274,12 +275,12 @@ class CycleTimes:
 
     def judge(self, results: Results) -> Judgement:
         """Whether it holds."""
-        times = {method: results.cycle_times[method][self.way] for method in self.PAPER}
+        times = {method: results.cycle_times[method][self.way] for method in PAPER_TIMES}
         if None in times.values():
             return Judgement(None, (Part(self.words, "not compiled for both methods", None),))
-        proposed, repulsive = (times[method]["mean_us"] for method in self.PAPER)
+        proposed, repulsive = (times[method]["mean_us"] for method in PAPER_TIMES)
         measured = f"{proposed:.2f} and {repulsive:.2f} µs, ratio {proposed / repulsive:.2f} (paper: 1.86)"
-        within = all(times[method]["mean_us"] <= limit for method, limit in self.PAPER.items())
+        within = all(times[method]["mean_us"] <= limit for method, limit in PAPER_TIMES.items())
         holds = proposed > repulsive if self.longer else within
         return Judgement(holds, (Part(self.words, measured, holds),))
 
@@ -303,6 +304,8 @@ def mean_and_spread(values: list[float], unit: Unit, *, with_range: bool = True)
     text = unit.bare(float(np.mean(values)))
     if len(values) < 2:
         return text
+    if min(values) == max(values):
+        return f"{text} ± 0"
     spread = f"{text} ± {unit.bare(float(np.std(values, ddof=1)))}"
     ends = replace(unit, digits=0) if unit.whole else unit
     return f"{spread} ({ends.bare(min(values))} to {ends.bare(max(values))})" if with_range else spread

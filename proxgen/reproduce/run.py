@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from proxgen.reproduce.rules import UNITS, mean_and_spread
 from proxgen.reproduce.store import Numbers, Store
 from proxgen.reproduce.tasks import Libraries, Task, build_libraries, tasks_of
 from proxgen.reproduce.timing import Timing
+
+if TYPE_CHECKING:
+    from proxgen.reproduce.page import Outcome
 
 Progress = Callable[[int, int], None]
 """Called with the work done and all of it."""
@@ -49,7 +53,7 @@ def reproduce(
     workers: int | None = None,
     progress: Progress | None = None,
     say: Callable[[str], None] | None = None,
-) -> tuple[Results, Path]:
+) -> "Outcome":
     """Do what a plan says, unless it is done already, and write the report.
 
     Args:
@@ -61,7 +65,7 @@ def reproduce(
         say: called with a line for every experiment that is finished.
 
     Returns:
-        The results, and the path of the page.
+        Results, verdicts, and the page.
 
     Raises:
         BuildError: compiler or solver missing.
@@ -97,9 +101,9 @@ def reproduce(
     carry_out_all([task for task in missing if task is not timing], store, workers, done)
     carry_out_all([task for task in missing if task is timing], store, 1, done)
     results = collect(plan, store, fingerprints)
-    page = write_page(results, libraries, directory, begin if len(missing) == len(everything) else None)
+    outcome = write_page(results, libraries, directory, begin if len(missing) == len(everything) else None)
     meter.advance(_REPORT)
-    return results, page
+    return outcome
 
 
 def collect(plan: Plan, store: Store, fingerprints: dict[str, str]) -> Results:
