@@ -1,12 +1,13 @@
 /* Random cycles of any robot: what must always hold is checked in each.
  *
- *     random_cycles CYCLES SEED [--plain | --extreme] [--record FILE] [--follow FILE]
+ *     random_cycles CYCLES SEED [--plain | --extreme] [--record FILE] [--follow FILE] [--problems FILE --at FILE]
  *
  * States within and beyond the limits, obstacles from touching to far, 1 % corrupted inputs; parameters
  * within a factor of ten of the default ones (--plain: those themselves; --extreme: also any that is
  * accepted).
  * --record writes status and q_dot of every cycle; --follow starts each cycle from the velocity that another
- * run recorded, so that two solvers can be compared cycle by cycle. */
+ * run recorded, so that two solvers can be compared cycle by cycle. --problems writes parameters, distances and
+ * QPs of the cycles that are listed in a text file, in increasing order, for somebody else to judge. */
 #include "../bench/count_heap.h"
 #include "check.h"
 #include "geometry.h"
@@ -161,6 +162,29 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
   }
 }
 
+/* What decides a cycle, as doubles: parameters, row_on, distance, ubA, lb, ub, A, H, g. */
+static void write_problem(const pg_controller_t *controller, FILE *file) {
+  const pg_diagnostics_t *cycle = &controller->cycle;
+  double on[PG_ROWS];
+  for (int slot = 0; slot < PG_ROWS; slot++)
+    on[slot] = (double)cycle->row_on[slot];
+  fwrite(&controller->parameters, sizeof controller->parameters, 1, file);
+  fwrite(on, sizeof on, 1, file);
+  fwrite(cycle->distance, sizeof cycle->distance, 1, file);
+  fwrite(cycle->ubA, sizeof cycle->ubA, 1, file);
+  fwrite(cycle->lb, sizeof cycle->lb, 1, file);
+  fwrite(cycle->ub, sizeof cycle->ub, 1, file);
+  fwrite(cycle->A, sizeof cycle->A, 1, file);
+  fwrite(cycle->H, sizeof cycle->H, 1, file);
+  fwrite(cycle->g, sizeof cycle->g, 1, file);
+}
+
+/* The next number of a list; -1 at its end, or without a list. */
+static long next_listed(FILE *list) {
+  long number;
+  return list && fscanf(list, "%ld", &number) == 1 ? number : -1;
+}
+
 static void print_summary(const pg_controller_t *controller, double worst, unsigned long long heap) {
   const pg_counters_t *counters = &controller->counters;
   unsigned long long sum = 0;
@@ -180,13 +204,15 @@ static void print_summary(const pg_controller_t *controller, double worst, unsig
 int main(int argc, char **argv) {
   const long cycles = argc > 1 ? atol(argv[1]) : 100000;
   random_t random = {argc > 2 ? (unsigned long long)atol(argv[2]) + 88172645463325252ull : 1};
-  FILE *record = NULL, *follow = NULL;
+  FILE *record = NULL, *follow = NULL, *problems = NULL, *list = NULL;
   int plain = 0, extreme = 0, at_rest = 1;
   for (int i = 3; i < argc; i++) {
     plain |= strcmp(argv[i], "--plain") == 0;
     extreme |= strcmp(argv[i], "--extreme") == 0;
     if (i + 1 < argc && strcmp(argv[i], "--record") == 0) record = fopen(argv[i + 1], "wb");
     if (i + 1 < argc && strcmp(argv[i], "--follow") == 0) follow = fopen(argv[i + 1], "rb");
+    if (i + 1 < argc && strcmp(argv[i], "--problems") == 0) problems = fopen(argv[i + 1], "wb");
+    if (i + 1 < argc && strcmp(argv[i], "--at") == 0) list = fopen(argv[i + 1], "r");
   }
   pg_controller_t *controller;
   if (pg_create_checked(&controller, PG_INTERFACE) != PG_SOLVED) return 2;
@@ -194,6 +220,7 @@ int main(int argc, char **argv) {
   static input_t input;
   double worst = 0.0, entry[2 + PG_N] = {0.0};
   unsigned long long heap = 0;
+  long listed = next_listed(list);
   for (long i = 0; i < cycles && checks_failed < 20; i++) {
     if (i % CYCLES_PER_PARAMETERS == 0 && !plain) draw_parameters(&random, controller, extreme);
     if (i % CYCLES_PER_STATE == 0) draw_state(&random, &controller->parameters, &input);
@@ -222,11 +249,15 @@ int main(int argc, char **argv) {
       fwrite(own, sizeof own, 1, record);
       fwrite(qdot, sizeof qdot, 1, record);
     }
+    if (i == listed && problems) write_problem(controller, problems);
+    if (i == listed) listed = next_listed(list);
     if (follow) CHECK(fread(entry, sizeof entry, 1, follow) == 1);
   }
   print_summary(controller, worst, heap);
   pg_destroy(controller);
   if (record) fclose(record);
   if (follow) fclose(follow);
+  if (problems) fclose(problems);
+  if (list) fclose(list);
   return checks_failed > 0;
 }
