@@ -7,6 +7,12 @@
 #define SHORT_SEARCH 2
 #define LONG_SEARCH  256
 
+/* In the second attempt rows are moved apart by one to two times this [m/s]. Where the rows leave a single
+ * point or depend on each other, rounding errors make a solver see a contradiction; so they do not meet in
+ * one point any more. Polishing then puts the solution on the rows as they are. */
+#define APART          1e-9
+#define GOLDEN_SECTION 0.6180339887498949
+
 /* What it means that a solver found nothing. Infeasible is what a proof shows, the solver's or one that a
  * search finds; and what a solver claims for the second time, if no feasible x turns up. */
 static pg_outcome_t judge(const pg_qp_t *qp, const pg_solution_t *solution, pg_outcome_t claim,
@@ -19,11 +25,12 @@ static pg_outcome_t judge(const pg_qp_t *qp, const pg_solution_t *solution, pg_o
                                                                                    : PG_UNSOLVED;
 }
 
-/* One solve; says PG_OPTIMAL only with a certificate. */
-static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_start_t start) {
+/* One solve of `posed`, of which `qp` is what is meant; says PG_OPTIMAL only with a certificate for that. */
+static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *posed, const pg_qp_t *qp,
+                            pg_start_t start) {
   pg_diagnostics_t *cycle = &controller->cycle;
   pg_solution_t *solution = &controller->solution;
-  pg_outcome_t outcome = pg_solver_solve(controller->solver, qp, start, solution);
+  pg_outcome_t outcome = pg_solver_solve(controller->solver, posed, start, solution);
 #ifdef PG_FAULT_INJECTION
   pg_test_hook(start, &outcome, solution);
 #endif
@@ -39,11 +46,25 @@ static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *qp, pg_s
   return PG_OPTIMAL;
 }
 
+/* The second attempt, on another way and with rows that are apart: by unequal amounts, and not in arithmetic
+ * progression, as that could be a dependence again. */
+static pg_outcome_t attempt_again(pg_controller_t *controller, const pg_qp_t *qp) {
+  double ubA[PG_ROWS], part = 0.0;
+  pg_qp_t posed = *qp;
+  posed.ubA = ubA;
+  for (int i = 0; i < PG_ROWS; i++) {
+    part += part < 1.0 - GOLDEN_SECTION ? GOLDEN_SECTION : GOLDEN_SECTION - 1.0;
+    ubA[i] = qp->ubA[i] >= PG_OFF ? PG_OFF : qp->ubA[i] + APART * (1.0 + part);
+  }
+  controller->cycle.second_chances++;
+  const pg_outcome_t outcome = attempt(controller, &posed, qp, PG_AGAIN);
+  pg_solver_load(controller->solver, qp); /* for the stages that follow */
+  return outcome;
+}
+
 /* Solves one stage; a first answer that proves nothing gets a second chance. */
 pg_outcome_t pg_solve(pg_controller_t *controller, const pg_qp_t *qp) {
   if (!PG_RELAXATION_SLACK && pg_search(qp, SHORT_SEARCH) == PG_CONTRADICTORY) return PG_INFEASIBLE;
-  const pg_outcome_t outcome = attempt(controller, qp, PG_FIRST);
-  if (outcome != PG_UNSOLVED) return outcome;
-  controller->cycle.second_chances++;
-  return attempt(controller, qp, PG_AGAIN);
+  const pg_outcome_t outcome = attempt(controller, qp, qp, PG_FIRST);
+  return outcome != PG_UNSOLVED ? outcome : attempt_again(controller, qp);
 }

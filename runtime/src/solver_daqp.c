@@ -266,7 +266,6 @@ static pg_outcome_t solve_rounded(pg_solver_t *solver, const pg_qp_t *qp, pg_sol
     pg_solver_load(solver, &rounded);
     outcome = solve_loaded(solver, &rounded, solution);
   }
-  pg_solver_load(solver, qp); /* for the stages that follow */
   return outcome;
 }
 

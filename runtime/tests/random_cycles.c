@@ -1,13 +1,14 @@
 /* Random cycles of any robot: what must always hold is checked in each.
  *
- *     random_cycles CYCLES SEED [--plain | --extreme] [--record FILE] [--follow FILE] [--problems FILE --at FILE]
+ *     random_cycles CYCLES SEED [--plain | --extreme] [--record FILE] [--follow FILE] [--problems FILE --at
+ * FILE]
  *
  * States within and beyond the limits, obstacles from touching to far, 1 % corrupted inputs; parameters
  * within a factor of ten of the default ones (--plain: those themselves; --extreme: also any that is
  * accepted).
  * --record writes status and q_dot of every cycle; --follow starts each cycle from the velocity that another
- * run recorded, so that two solvers can be compared cycle by cycle. --problems writes parameters, distances and
- * QPs of the cycles that are listed in a text file, in increasing order, for somebody else to judge. */
+ * run recorded, so that two solvers can be compared cycle by cycle. --problems writes parameters, distances
+ * and QPs of the cycles that are listed in a text file, in increasing order, for somebody else to judge. */
 #include "../bench/count_heap.h"
 #include "check.h"
 #include "geometry.h"
