@@ -2,19 +2,25 @@
  * proof, or what two attempts of the solver, on different ways, agree on. */
 #include "state.h"
 
+#include <math.h>
+
 /* Rounds of the search for a contradiction: before a solve, where nine in ten are found and feasible cycles
  * hardly notice, and after a solver has claimed one. */
 #define SHORT_SEARCH 2
 #define LONG_SEARCH  256
 
-/* In the second attempt rows are moved apart by one to two times this [m/s]. Where the rows leave a single
- * point or depend on each other, rounding errors make a solver see a contradiction; so they do not meet in
- * one point any more. Polishing then puts the solution on the rows as they are. */
+/* In the last attempt rows are moved apart by one to two times this [m/s]. Where they leave a single point,
+ * rounding errors make a solver see a contradiction; so they do not meet in one point any more. Polishing
+ * then puts the solution on the rows as they are. */
 #define APART          1e-9
 #define GOLDEN_SECTION 0.6180339887498949
 
+/* An answer with a greater residual is asked for again, even if it could be certified: a residual r of a row
+ * with a large multiplier leaves an error of up to sqrt(2 r/lambda) in q_dot. */
+#define GOOD (1e-3 * PG_TOLERANCE)
+
 /* What it means that a solver found nothing. Infeasible is what a proof shows, the solver's or one that a
- * search finds; and what a solver claims for the second time, if no feasible x turns up. */
+ * search finds; and what a solver claims again, if no feasible x turns up. */
 static pg_outcome_t judge(const pg_qp_t *qp, const pg_solution_t *solution, pg_outcome_t claim,
                           pg_start_t start) {
   if (PG_RELAXATION_SLACK) return PG_UNSOLVED; /* soft rows are always feasible */
@@ -46,25 +52,44 @@ static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *posed, c
   return PG_OPTIMAL;
 }
 
-/* The second attempt, on another way and with rows that are apart: by unequal amounts, and not in arithmetic
- * progression, as that could be a dependence again. */
-static pg_outcome_t attempt_again(pg_controller_t *controller, const pg_qp_t *qp) {
-  double ubA[PG_ROWS], part = 0.0;
-  pg_qp_t posed = *qp;
-  posed.ubA = ubA;
+/* Right-hand sides with rows apart: by unequal amounts, and not in arithmetic progression, as that could be a
+ * dependence again. */
+static void move_apart(const pg_qp_t *qp, double ubA[PG_ROWS]) {
+  double part = 0.0;
   for (int i = 0; i < PG_ROWS; i++) {
     part += part < 1.0 - GOLDEN_SECTION ? GOLDEN_SECTION : GOLDEN_SECTION - 1.0;
     ubA[i] = qp->ubA[i] >= PG_OFF ? PG_OFF : qp->ubA[i] + APART * (1.0 + part);
   }
+}
+
+/* The attempts after a first one that left `outcome`; the best answer counts. */
+static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, pg_outcome_t outcome) {
+  double ubA[PG_ROWS], *residual = &controller->cycle.kkt_residual;
+  pg_solution_t best = controller->solution;
+  double least = outcome == PG_OPTIMAL ? *residual : INFINITY;
+  pg_qp_t apart = *qp;
+  apart.ubA = ubA;
+  move_apart(qp, ubA);
   controller->cycle.second_chances++;
-  const pg_outcome_t outcome = attempt(controller, &posed, qp, PG_AGAIN);
-  pg_solver_load(controller->solver, qp); /* for the stages that follow */
+  for (int last = 0; last <= 1 && least > GOOD; last++) {
+    const pg_outcome_t again = attempt(controller, last ? &apart : qp, qp, PG_AGAIN);
+    pg_solver_load(controller->solver, qp); /* as it was, for what follows */
+    if (again == PG_INFEASIBLE && outcome != PG_OPTIMAL) return PG_INFEASIBLE;
+    if (again != PG_OPTIMAL || !(*residual < least)) continue;
+    outcome = PG_OPTIMAL;
+    least = *residual;
+    best = controller->solution;
+  }
+  controller->solution = best;
+  *residual = outcome == PG_OPTIMAL ? least : NAN;
   return outcome;
 }
 
-/* Solves one stage; a first answer that proves nothing gets a second chance. */
+/* Solves one stage; a first answer that proves nothing, or not well enough, gets a second chance. */
 pg_outcome_t pg_solve(pg_controller_t *controller, const pg_qp_t *qp) {
   if (!PG_RELAXATION_SLACK && pg_search(qp, SHORT_SEARCH) == PG_CONTRADICTORY) return PG_INFEASIBLE;
   const pg_outcome_t outcome = attempt(controller, qp, qp, PG_FIRST);
-  return outcome != PG_UNSOLVED ? outcome : attempt_again(controller, qp);
+  const int is_final =
+      outcome == PG_INFEASIBLE || (outcome == PG_OPTIMAL && controller->cycle.kkt_residual <= GOOD);
+  return is_final ? outcome : solve_again(controller, qp, outcome);
 }

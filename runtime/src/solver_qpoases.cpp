@@ -2,11 +2,12 @@
 // cycle.
 //
 // The only file that includes qpOASES. What it has to respect, each with a test in
-// runtime/tests/test_traps.c:
+// runtime/tests/test_solver.c:
 //   - rows keep their slots and are never zero (rows.c), else a hot start succeeds with a wrong solution;
 //   - the limit of working-set changes is an in-out argument, and reaching it is a failure;
 //   - after a failure or an infeasible QP the object has to be reset, or later cycles fail too;
 //   - it may write into the Hessian that it is given, so it gets a copy;
+//   - what it may print is one setting for the whole process, which others change;
 //   - it allocates in every call: this back end is never free of heap use.
 #include "solver.h"
 
@@ -30,6 +31,16 @@ qpOASES::Options options() {
   options.enableNZCTests = qpOASES::BT_FALSE;       // H is positive definite: there is no direction
   options.enableFlippingBounds = qpOASES::BT_FALSE; // of zero curvature to look for
   return options;
+}
+
+// What qpOASES may print is one setting for the whole process. Its constructor switches errors on, and so
+// does its destructor, for the controllers that live on: hence before every call that could have something to
+// say.
+void silence() {
+  qpOASES::MessageHandling *const messages = qpOASES::getGlobalMessageHandler();
+  messages->setErrorVisibilityStatus(qpOASES::VS_HIDDEN);
+  messages->setWarningVisibilityStatus(qpOASES::VS_HIDDEN);
+  messages->setInfoVisibilityStatus(qpOASES::VS_HIDDEN);
 }
 
 // Lets the multipliers be read when there is no solution.
@@ -125,6 +136,7 @@ pg_status_t pg_solver_create(void *memory, pg_solver_t **solver) {
 
 void pg_solver_destroy(pg_solver_t *solver) {
   delete solver;
+  silence();
 }
 
 void pg_solver_reset(pg_solver_t *solver) {
@@ -138,6 +150,7 @@ void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
 pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
                              pg_solution_t *solution) {
   *solution = pg_solution_t{};
+  silence();
   qpOASES::int_t changes = PG_MAX_ITERATIONS;
   try {
     const qpOASES::returnValue result =
