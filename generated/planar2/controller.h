@@ -86,7 +86,7 @@ typedef struct {
   double kkt_residual;                        /* of the certificate; nan if nothing was solved */
   int iterations;                             /* working-set changes, all solves of the cycle */
   int solves;                                 /* QPs solved in the cycle, second chances included */
-  int second_chances;                         /* solves whose first answer was not certified */
+  int second_chances;                         /* QPs whose first answer was not good enough */
 } planar2_diagnostics_t;
 
 /* Since the controller was created; planar2_reset leaves them. */
@@ -96,7 +96,7 @@ typedef struct {
   unsigned long long errors;               /* calls of step that ended with a status < 0 */
   unsigned long long solves;               /* QPs solved */
   unsigned long long iterations;           /* working-set changes */
-  unsigned long long second_chances;       /* QPs solved again because the first answer was not certified */
+  unsigned long long second_chances;       /* QPs solved again because the first answer was not good enough */
   unsigned long long certificate_failures; /* answers that failed the certificate */
   int max_iterations_in_cycle;
 } planar2_counters_t;
