@@ -5,7 +5,6 @@ from importlib.metadata import version
 from proxgen import __version__
 from proxgen.config.hashing import config_hash
 from proxgen.config.schema import Config
-from proxgen.errors import GenerateError
 from proxgen.model import RobotModel
 from proxgen.model.robot_model import Array, SensorModule
 from proxgen.program import CapsuleEntry, Kernel, Parameter, Program, SelfPointEntry, SensorEntry
@@ -25,10 +24,8 @@ def build_program(config: Config, model: RobotModel) -> Program:
         Kernels in the order of the cycle, tables and parameters; plain data.
 
     Raises:
-        GenerateError: CasADi refuses an expression, or the configuration has additions that only
-            the reference knows.
+        GenerateError: CasADi refuses an expression.
     """
-    _refuse_additions(config)
     bodies = carrying_bodies(model)
     settable = parameters(config, model)
     by_name = {parameter.name: parameter for parameter in settable}
@@ -70,16 +67,6 @@ def build_program(config: Config, model: RobotModel) -> Program:
         memory=memory(config, model),
         circulation=config.avoidance.circulation.enabled,
     )
-
-
-def _refuse_additions(config: Config) -> None:
-    """Never generate a controller that leaves out what its configuration asks for."""
-    avoidance = config.avoidance
-    asked = {
-        f"avoidance.method: {avoidance.method}": avoidance.method != "proposed",
-    }
-    if names := [name for name, on in asked.items() if on]:
-        raise GenerateError(f"only the reference has {', '.join(names)}; switch it off to generate code")
 
 
 def carrying_bodies(model: RobotModel) -> list[int]:

@@ -20,6 +20,9 @@ static void forget(pg_controller_t *controller) {
 #if PG_CIRCULATION
   pg_circulation_reset(&controller->circulation);
 #endif
+#if PG_METHOD_TANGENTIAL
+  memset(controller->tangent, 0, sizeof controller->tangent);
+#endif
   pg_solver_reset(controller->solver);
 }
 

@@ -73,7 +73,7 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
   pg_circulate(controller, xdot, circulating_xdot);
   xdot = circulating_xdot;
 #endif
-  pg_write_rows(controller);
+  pg_write_rows(controller, xdot);
   pg_model_objective(p, &controller->kinematics, q, xdot, cycle->H, cycle->g, &cycle->manipulability,
                      &cycle->damping);
   return pg_find_velocity(controller);

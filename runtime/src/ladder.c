@@ -12,9 +12,9 @@ static int relax(const pg_controller_t *controller, pg_status_t stage, double ub
   for (int slot = 0; slot < PG_ROWS; slot++) {
     if (ubA[slot] >= PG_OFF) continue;
     const int drop = pg_dropped_at(controller, slot) == stage;
-    const int raise = stage == PG_REDUCED_REPULSION && ubA[slot] < 0.0;
+    const int raise = stage == PG_REDUCED_REPULSION && ubA[slot] < PG_RAISED;
     if (drop || raise) {
-      ubA[slot] = drop ? PG_OFF : 0.0;
+      ubA[slot] = drop ? PG_OFF : PG_RAISED;
       changed = 1;
     }
   }

@@ -1,6 +1,8 @@
 /* Step 4: one row per capsule (5), and the active row (7); those of self-collision, if there are any, are in
- * self_collision.c. */
+ * self_collision.c, and those of the methods that the paper compares with in baselines.c. */
 #include "rows.h"
+
+#if !PG_BASELINE
 
 /* Where distances weigh like 1/d, none counts as nearer than this. */
 #define LEAST_WEIGHT_DISTANCE 1e-3 /* [m] */
@@ -30,9 +32,10 @@ static void write_active_row(pg_diagnostics_t *cycle, double weighted[PG_N], dou
 }
 #endif
 
-void pg_write_rows(pg_controller_t *controller) {
+void pg_write_rows(pg_controller_t *controller, const double xdot[PG_M]) {
   pg_diagnostics_t *cycle = &controller->cycle;
   double weighted[PG_N] = {0.0}, total = 0.0;
+  (void)xdot; /* the task decides within the rows, not about them */
   pg_switch_all_off(cycle);
   for (int l = 0; l < PG_CAPSULES; l++) {
     const pg_nearest_t *nearest = &controller->nearest[l];
@@ -74,3 +77,5 @@ pg_status_t pg_dropped_at(const pg_controller_t *controller, int slot) {
 #endif
   return PG_REDUCED_ACTIVE;
 }
+
+#endif

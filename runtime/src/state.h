@@ -61,6 +61,9 @@ struct PG_NAME(controller) {
 #if PG_CIRCULATION
   pg_circulation_t circulation;
 #endif
+#if PG_METHOD_TANGENTIAL
+  double tangent[3]; /* of the last cycle; 0: none */
+#endif
 
   double ubA[PG_ROWS];      /* right-hand sides of the stage that is being solved */
   double softness[PG_ROWS]; /* 1/rho of soft rows, 0 in staged mode */
@@ -119,8 +122,8 @@ void pg_memory_store(pg_controller_t *controller, const pg_segment_t axes[PG_CAP
 void pg_circulate(pg_controller_t *controller, const double wanted[PG_M], double xdot[PG_M]);
 void pg_circulation_reset(pg_circulation_t *circulation);
 
-/* Step 4. */
-void pg_write_rows(pg_controller_t *controller);
+/* Step 4, for a task velocity. In rows.c or baselines.c, as the robot's method is. */
+void pg_write_rows(pg_controller_t *controller, const double xdot[PG_M]);
 
 #if PG_SELF_POINTS
 /* Steps 3 and 4 for the points that the arm carries. */
@@ -131,6 +134,12 @@ void pg_write_own_rows(pg_controller_t *controller);
 /* The stage of the ladder from which a row that is on is dropped; PG_KEPT: none. */
 pg_status_t pg_dropped_at(const pg_controller_t *controller, int slot);
 #define PG_KEPT PG_STOPPED_INFEASIBLE
+
+/* Right-hand sides below are raised to it where the ladder gives up repulsion. */
+#define PG_RAISED (PG_BASELINE ? PG_WIDTH : 0.0)
+
+/* The equalities of baselines.c hold up to this, so that their two rows are not exact opposites. */
+#define PG_WIDTH 1e-5 /* [m/s] */
 
 /* Steps 6 and 7: leaves a certified solution and returns its stage, or the reason why there is none. In
  * ladder.c or slack.c, as the robot's relaxation is. */
