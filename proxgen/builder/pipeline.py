@@ -179,11 +179,13 @@ def _units(plan: _Plan, module: str, work: Path) -> list[Unit]:
     write_extension(module, cdef, glue)
     units = [Unit(glue, (*include, Path(_python_include())), headers, ("-O1",))]
     units += [Unit(plan.generated / name, include, headers) for name in ("kernels.c", "model.c")]
-    adapter = Unit(Path(), (*include, solver.include), (*headers, *solver.headers))
     for source in sources.runtime_units(solver.name):
-        is_adapter = source.stem == f"solver_{solver.name}"
-        units.append(replace(adapter, source=source) if is_adapter else Unit(source, include, headers))
-    return [*units, *(Unit(source, (solver.include,), solver.headers) for source in solver.units)]
+        unit = Unit(source, include, headers, solver.options(source))
+        if source.stem == f"solver_{solver.name}":
+            unit = replace(unit, include=(*include, solver.include), headers=(*headers, *solver.headers))
+        units.append(unit)
+    foreign = (Unit(path, (solver.include,), solver.headers, solver.options(path)) for path in solver.units)
+    return [*units, *foreign]
 
 
 def _move_into_place(made: Path, directory: Path, last: Stamp | None) -> dict[str, int]:

@@ -38,7 +38,15 @@ def compile_program(
     objects = [folder / f"{index}_{source.stem}.o" for index, source in enumerate(sources)]
     run_all(
         (
-            [*toolchain.compile_command(source), *flags, "-c", str(source), "-o", str(made)],
+            [
+                *toolchain.compile_command(source),
+                *solver.options(source),
+                *flags,
+                "-c",
+                str(source),
+                "-o",
+                str(made),
+            ],
             f"cannot compile {source.name}",
         )
         for source, made in zip(sources, objects, strict=True)

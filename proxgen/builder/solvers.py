@@ -45,6 +45,14 @@ class Solver:
         """Whether it needs a C++ compiler."""
         return self.library is not None
 
+    def options(self, source: Path) -> tuple[str, ...]:
+        """Further options of the compiler for a source file: the solver is compiled in its own way.
+
+        Its loops go along half rows of small matrices; made for vectors of two, they take a third longer.
+        """
+        of_solver = source in self.units or source.stem == f"solver_{self.name}"
+        return ("-fno-tree-vectorize",) if of_solver else ()
+
 
 def find_solver(backend: str) -> Solver:
     """The solver behind a back end.

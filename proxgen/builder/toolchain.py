@@ -11,11 +11,10 @@ from pathlib import Path
 
 from proxgen.errors import BuildError
 
-# Measured on cycles of the iiwa 7 (p50, many obstacles): -O2 2.64 us, with -flto 2.63,
-# -O3 2.74, -O3 -march=native 2.79.
-# -fno-math-errno spares sqrt the call that sets an error number; it changes no number. Contracting a*b+c into
-# one operation would: results would depend on the processor.
-COMMON_FLAGS = ("-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
+# Chosen by measurement: docs/performance.md, "Build flags". -fno-math-errno spares sqrt the call that sets an
+# error number; it changes no number. Contracting a*b+c into one operation would: results would depend on the
+# processor.
+COMMON_FLAGS = ("-O3", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno")
 C_FLAGS = ("-std=c11", *COMMON_FLAGS)
 CXX_FLAGS = ("-std=c++17", *COMMON_FLAGS)
 
