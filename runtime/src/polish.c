@@ -84,7 +84,7 @@ static void write_equations(const pg_qp_t *qp, const pg_solution_t *solution, eq
   for (int a = 0; a < joints; a++) {
     const int j = equations->index[a];
     double gradient = qp->g[j] + row_times(&qp->H[j * PG_N], solution->x);
-    for (int b = joints; b < equations->size; b++) {
+    for (int b = joints; b < equations->size && b < MOST; b++) { /* MOST: for compilers, which warn */
       const int i = equations->index[b];
       gradient += qp->A[i * PG_N + j] * solution->y[i];
       equations->K[b][a] = qp->A[i * PG_N + j];

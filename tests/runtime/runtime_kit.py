@@ -85,14 +85,19 @@ class Kit:
 
     def compile(self, sources: Sequence[Path], variant: Variant, options: Sequence[str]) -> list[Path]:
         """Objects of some sources, with the flags of the product and these."""
-        toolchain = find_toolchain(cxx=True)
+        toolchain, solver = find_toolchain(cxx=True), find_solver(variant.backend)
         folder = self.folder / f"{variant.name}-objects"
         folder.mkdir(exist_ok=True)
         objects = [folder / f"{source.stem}.o" for source in sources]
         flags = [*variant.flags, *options, *self.includes(variant)]
         run_all(
             (
-                [*toolchain.compile_command(source), *flags, "-c", str(source), "-o", str(made)],
+                [
+                    *toolchain.compile_command(source),
+                    *solver.options(source),
+                    *flags,
+                    *("-c", str(source), "-o", str(made)),
+                ],
                 f"{source.name}",
             )
             for source, made in zip(sources, objects, strict=True)
