@@ -310,6 +310,18 @@ def test_a_comparison_that_fails_has_status_1(
     assert json.loads(Path("compare.json").read_text())["verdict"] == "fail"
 
 
+@pytest.mark.filterwarnings("default::proxgen.errors.ProxgenWarning")
+def test_an_arm_without_sensors_is_told_that_it_sees_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    text = Path(PLANAR2).read_text().replace("urdf: ", f"urdf: {Path(PLANAR2).parent}/")
+    begin, end = text.index("  cuffs:\n"), text.index("  tof: {")
+    Path("blind.yaml").write_text(f"{text[:begin]}  cuffs: []\n{text[end:]}")
+    words = ["run", "blind.yaml", "--scene", "post", "--controller", "reference", "--duration", "0.1"]
+    assert main(words) == 0
+    assert capsys.readouterr().err.startswith("proxgen: warning: blind.yaml: the arm has no sensors")
+    assert main([*words, "--sensing", "ideal"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_json_that_nothing_else_reads_is_not_written() -> None:
     write_json(Path("folder/a.json"), {"x": 1.0})
     with pytest.raises(ValueError, match="not JSON compliant"):

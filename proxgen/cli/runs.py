@@ -1,6 +1,7 @@
 """Verbs that simulate: run and compare."""
 
 import argparse
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +17,7 @@ from proxgen.cli.arguments import (
     whole_number,
 )
 from proxgen.cli.output import columns, progress_bar, write_json
-from proxgen.errors import ConfigError, Problem
+from proxgen.errors import ConfigError, Problem, ProxgenWarning
 
 if TYPE_CHECKING:
     from proxgen.compare import Comparison
@@ -111,6 +112,11 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
     scene = load_scene(arguments.scene, beside=arguments.config)
     sensed = _with_worse_sensors(config, arguments)
     model = build_model(sensed)
+    if arguments.sensing == "skin" and not model.modules:
+        message = (
+            "the arm has no sensors, so that it sees no obstacle; --sensing ideal gives it exact distances"
+        )
+        warnings.warn(f"{arguments.config}: {message}", ProxgenWarning, stacklevel=1)
     from proxgen.simulation.rollout import run
     from proxgen.simulation.scenery import perturbed
 
