@@ -72,7 +72,7 @@ golden-check: setup  ## regenerate into a temporary folder; fail if generated/ d
 	done; \
 	diff -r generated "$$fresh" || { echo "generated/ is out of date: run make golden and commit" >&2; exit 1; }
 
-images: setup  ## draw the documentation's pictures anew, from a run
+images: setup  ## make the documentation's pictures and films anew, from runs (some minutes)
 	@$(BIN)/python docs/images/make.py
 
 constraints:  ## renew constraints.txt: resolve all dependencies anew in an empty environment

@@ -43,6 +43,7 @@ LIBRARIES: dict[str, set[str]] = {
     "quadprog": {"controllers.reference", "scaffold.fit"},
     "coal": {"scaffold.meshes"},
     "matplotlib": {"report", "reproduce.figures"},
+    "PIL": {"report"},
     "rich": {"cli"},
     "yaml": {"config"},
 }

@@ -109,6 +109,10 @@ def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str
         ),
         # before an hour's work, not after it
         (
+            ["run", "a.yaml", "--scene", "gap", "--film", "film.mp4"],
+            "proxgen run: argument --film: expected a name that ends in .gif or .webp, found 'film.mp4'",
+        ),
+        (
             ["run", "a.yaml", "--scene", "gap", "--json", "."],
             "proxgen run: argument --json: . is a folder; a file is needed",
         ),
@@ -239,7 +243,24 @@ def test_an_output_that_cannot_be_written_is_said(capsys: pytest.CaptureFixture[
 
 def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "1 s"]
-    assert main([*words, "--sensing", "ideal", "--seed", "3", "--json", "a/run.json", "--out", "b"]) == 0
+    assert (
+        main(
+            [
+                *words,
+                "--sensing",
+                "ideal",
+                "--seed",
+                "3",
+                "--json",
+                "a/run.json",
+                "--out",
+                "b",
+                "--film",
+                "c/film.gif",
+            ]
+        )
+        == 0
+    )
     captured = capsys.readouterr()
     numbers = json.loads(Path("a/run.json").read_text())
     assert set(numbers) == RUN_KEYS
@@ -250,6 +271,8 @@ def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.Capture
     )  # fmt: skip
     assert json.loads(Path("b/summary.json").read_text()) == numbers
     assert {"log.npz", "index.html"} <= {path.name for path in Path("b").iterdir()}
+    assert Path("b/figures/run1_film.gif").read_bytes() == Path("c/film.gif").read_bytes()
+    assert "film: c/film.gif" in captured.out
     assert captured.err == ""  # no progress bar in a pipe
     assert "report: b/index.html" in captured.out
 

@@ -1,48 +1,60 @@
-"""Makes the pictures of the documentation from a run of the compiled controller. `make images` runs it."""
+"""Makes the pictures and films of the documentation from runs. `make images` runs it."""
 
 from pathlib import Path
-
-import numpy as np
 
 import proxgen
 from proxgen.config.scene import load_scene
 from proxgen.model import build_model
+from proxgen.model.robot_model import RobotModel
 from proxgen.report import style
 from proxgen.report.course import draw_least_distance, draw_sawtooth
-from proxgen.report.derive import spread, typical_leg, with_pedestal
-from proxgen.report.path import FRONT, bounds, draw_view, obstacles_of, postures
-from proxgen.simulation.arm import ArmGeometry
-from proxgen.simulation.obstacles import ObstacleField
+from proxgen.report.derive import spread, typical_leg
+from proxgen.report.film import write_film
+from proxgen.report.path import FRONT, bounds, draw_view, postures
+from proxgen.report.stage import Stage, fitting_camera
+from proxgen.report.stills import draw_still
+from proxgen.simulation.log import RolloutLog
 from proxgen.simulation.rollout import run
-from proxgen.simulation.world import Camera, World
 
 HERE = Path(__file__).parent
-EXAMPLE = HERE.parent.parent / "examples" / "iiwa7" / "iiwa7.yaml"
+EXAMPLES = HERE.parent.parent / "examples" / "iiwa7"
+
+FILMS = (
+    ("gap", "iiwa7.yaml", "skin", 3.0, 21.0),
+    ("pillar", "iiwa7.yaml", "skin", 3.0, 19.0),
+    ("moving", "iiwa7.yaml", "skin", 0.0, 20.0),
+    ("facing", "iiwa7_improved.yaml", "ideal", 3.0, 22.0),
+)
+"""Scene, configuration, sensing, and the part that is shown [s], without the way from the upright start."""
 
 
 def main() -> None:
-    """Run the gap, and draw arm, path, distance to the target and least distance side by side."""
-    config = proxgen.load(EXAMPLE)
-    model = build_model(config)
-    log = run(config, model, proxgen.build(config), load_scene("gap"), sensing="skin", duration=60.0)
-    arm, targets = ArmGeometry(with_pedestal(model)), np.array(log.meta["targets"])
-    moment = spread(typical_leg(log), log, 3)[1]
-    camera = Camera(target=(0.3, 0.0, 0.42), distance=1.5, width=1100, height=1000)
-    with World(ObstacleField(obstacles_of(log)), arm) as world:
-        picture = world.render(
-            float(log.time[moment]), arm.poses(log.q[moment]), camera=camera, targets=targets
-        )
+    """One film per scene, and a drawing of the run in the gap."""
+    for scene, file, sensing, start, end in FILMS:
+        config = proxgen.load(EXAMPLES / file)
+        model = build_model(config)
+        duration = 60.0 if scene == "gap" else end
+        log = run(config, model, proxgen.build(config), load_scene(scene), sensing=sensing, duration=duration)
+        write_film(HERE / f"{scene}.gif", log, model, start=start, end=end)
+        if scene == "gap":
+            draw_gap(log, model, config.task.tolerance)
+
+
+def draw_gap(log: RolloutLog, model: RobotModel, tolerance: float) -> None:
+    """Arm, path, distance to the target and least distance side by side."""
+    leg = typical_leg(log)
     with style.house_style():
         figure = style.new_figure(3.7, 13.0)
         grid = figure.add_gridspec(2, 3, width_ratios=[1.1, 0.8, 1.7])
         scene = figure.add_subplot(grid[:, 0])
-        scene.imshow(picture, interpolation="antialiased")
-        scene.set_axis_off()
+        camera = fitting_camera(log, model, 550, 500, cycles=(leg.first, leg.last))
+        with Stage(log, model, camera) as stage:
+            draw_still(scene, stage, spread(leg, log, 3)[1], leg.first)
         front = figure.add_subplot(grid[:, 1])
         draw_view(front, log, FRONT, *bounds(log, []), arms=postures(log, model))
         front.set_title("Path, from the front")
         sawtooth, nearest = figure.add_subplot(grid[0, 2]), figure.add_subplot(grid[1, 2])
-        draw_sawtooth(sawtooth, log, config.task.tolerance)
+        draw_sawtooth(sawtooth, log, tolerance)
         sawtooth.tick_params(labelbottom=False)
         draw_least_distance(nearest, log)
         nearest.set_title("Nearest link to the boxes")

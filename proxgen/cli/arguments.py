@@ -102,3 +102,13 @@ def new_folder(text: str) -> Path:
     if not os.access(nearest, os.W_OK | os.X_OK):
         raise argparse.ArgumentTypeError(f"nothing can be written in {nearest}: permission denied")
     return path
+
+
+def film_file(text: str) -> Path:
+    """A film to be written; its ending names one of the formats."""
+    from proxgen.report.film import FORMATS
+
+    if Path(text).suffix not in FORMATS:
+        allowed = " or ".join(FORMATS)
+        raise argparse.ArgumentTypeError(f"expected a name that ends in {allowed}, found '{text}'")
+    return new_file(text)

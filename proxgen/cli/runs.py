@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from proxgen.cli.arguments import (
     add_config,
     add_sensing_and_duration,
+    film_file,
     latency,
     length,
     new_file,
@@ -79,6 +80,12 @@ def add_verbs(verbs: Any) -> None:
         "--out", type=new_folder, metavar="DIR", help="write the log, the numbers and a report there"
     )
     run.add_argument("--json", type=new_file, metavar="FILE", help="write the numbers there")
+    run.add_argument(
+        "--film",
+        type=film_file,
+        metavar="FILE",
+        help="render the run as FILE.gif or FILE.webp (about a minute)",
+    )
     run.add_argument("--gui", action="store_true", help="show the simulation in a window")
     run.set_defaults(carry_out=carry_out_run, refuse=run.error)
 
@@ -143,13 +150,18 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
     print(columns([(key, _shown(value)) for key, value in summary.items()]))
     if arguments.json:
         write_json(arguments.json, summary)
+    if arguments.film:
+        from proxgen.report.film import write_film
+
+        with progress_bar("film") as progress:
+            print(f"film: {write_film(arguments.film, log, model, progress=progress)}")
     if arguments.out:
         from proxgen.report import write_report
 
         arguments.out.mkdir(parents=True, exist_ok=True)
         log.save(arguments.out / "log.npz")
         write_json(arguments.out / "summary.json", summary)
-        print(f"report: {write_report(arguments.out, [log], config=sensed)}")
+        print(f"report: {write_report(arguments.out, [log], config=sensed, film=arguments.film)}")
     return 0
 
 

@@ -97,7 +97,7 @@ class Gallery:
         return Picture(title, caption, file, _encoded(path))
 
     def show(self, path: Path, title: str, caption: str) -> Picture:
-        """A picture that is there already: a PNG or a GIF in this folder."""
+        """A picture that is there already: a PNG, GIF or WebP in this folder."""
         file = str(path.relative_to(self.directory))
         return Picture(title, caption, file, _encoded(path), f"image/{path.suffix.removeprefix('.')}")
 

@@ -44,6 +44,9 @@ OBSTACLE_EDGE = "#a85a1c"
 APPROACH, STANDSTILL, REPULSION, ALARM = "#e6f0f8", "#fff5cf", "#ffe0c2", "#f9c5b4"
 """Shades of the zones around an obstacle, from far to near."""
 
+ZONE_LINES = {APPROACH: SKY, STANDSTILL: "#f0e442", REPULSION: ORANGE, ALARM: VERMILLION}
+"""The colour of a line in each zone: what its shade is a tint of."""
+
 STATUS_COLOURS: dict[Status, str] = {
     Status.SOLVED: "#c9ddea",
     Status.REDUCED_ACTIVE: "#f0e442",

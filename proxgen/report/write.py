@@ -2,6 +2,7 @@
 
 import platform
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -10,8 +11,10 @@ from matplotlib.figure import Figure
 import proxgen
 from proxgen.compare import Comparison
 from proxgen.config.schema import Config
+from proxgen.files import write_whole
 from proxgen.model.robot_model import RobotModel
-from proxgen.report import agreement, course, film, joints, links, numerics, path, side_by_side
+from proxgen.report import agreement, course, joints, links, numerics, path, side_by_side, stills
+from proxgen.report import film as films
 from proxgen.report.derive import label
 from proxgen.report.page import Gallery, Page, Section, write_page
 from proxgen.report.tables import cards, summary_table
@@ -24,6 +27,7 @@ def write_report(
     comparison: Comparison | None = None,
     config: Config | None = None,
     title: str | None = None,
+    film: Path | None = None,
 ) -> Path:
     """Write `index.html` and its figures as PNG into a folder.
 
@@ -33,6 +37,7 @@ def write_report(
         comparison: of the compiled controller with the reference; its verdict leads the page.
         config: of the robot that ran; with it the arm is drawn, and tolerances are known.
         title: heading of the page.
+        film: of the first run (`film.write_film`); it leads the run's figures.
 
     Returns:
         The path of the page, which needs no other file and no network.
@@ -42,7 +47,12 @@ def write_report(
     sections = [] if comparison is None else [_agreement(gallery, comparison)]
     if len(logs) > 1:
         sections.append(_side_by_side(gallery, logs))
-    sections += [_run(gallery, index, log, config, model) for index, log in enumerate(logs)]
+    runs = [_run(gallery, index, log, config, model) for index, log in enumerate(logs)]
+    if film is not None:
+        beside = write_whole(directory / f"figures/run1_film{film.suffix}", film.read_bytes())
+        shown = gallery.show(beside, films.TITLE, films.CAPTION)
+        runs[0] = replace(runs[0], figures=[shown, *runs[0].figures])
+    sections += runs
     sections += [_timing(gallery, logs), _numbers(logs)]
     robots = ", ".join(dict.fromkeys(log.meta["robot"] for log in logs))
     scenes = ", ".join(dict.fromkeys(log.meta["scene"] for log in logs))
@@ -84,7 +94,7 @@ def _run(
         ),
     ]  # fmt: skip
     if model is not None:
-        drawings.insert(0, ("film", film.TITLE, film.CAPTION, lambda: film.film_figure(log, model)))
+        drawings.insert(0, ("stills", stills.TITLE, stills.CAPTION, lambda: stills.stills_figure(log, model)))
     name = f"run{index + 1}"
     figures = [
         gallery.add(f"{name}_{suffix}", heading, caption, draw) for suffix, heading, caption, draw in drawings

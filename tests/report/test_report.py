@@ -17,13 +17,13 @@ from proxgen.model import RobotModel
 from proxgen.report import side_by_side, style, write_report
 from proxgen.report.agreement import agreement_figure, verdict
 from proxgen.report.course import course_figure
-from proxgen.report.film import film_figure
 from proxgen.report.joints import joints_figure
 from proxgen.report.links import links_figure
 from proxgen.report.numerics import numerics_figure, timing_figure
 from proxgen.report.page import Gallery
 from proxgen.report.path import path_figure
 from proxgen.report.side_by_side import side_by_side_figure
+from proxgen.report.stills import stills_figure
 from proxgen.report.tables import summary_table
 
 pytestmark = pytest.mark.usefixtures("coarse")
@@ -227,4 +227,6 @@ def test_arm_is_drawn_and_rendered_where_the_configuration_is_known(
     assert len(pictures(page)) == 7
     assert "The arm on one way between two targets" in page
     with style.house_style():
-        assert all(axes.images[0].get_array().std() > 1.0 for axes in film_figure(log, planar2_model).axes)  # type: ignore[union-attr]
+        stills = stills_figure(log, planar2_model).axes
+        assert len(stills) == 4
+        assert all(np.asarray(axes.images[0].get_array()).std() > 1.0 for axes in stills)

@@ -1,20 +1,14 @@
 """Scenes of the repository as an arm meets them, perturbations, and films of a run."""
 
-from itertools import pairwise
-
 import numpy as np
 import pinocchio as pin
 import pytest
-from simulation_tools import StraightController, scene
+from simulation_tools import scene
 
 from proxgen.config.scene import Motion, Obstacle, load_scene
-from proxgen.config.schema import Config
 from proxgen.model import RobotModel
 from proxgen.simulation.arm import ArmGeometry
-from proxgen.simulation.frames import frames
-from proxgen.simulation.rollout import run
 from proxgen.simulation.scenery import perturbed, rotation_of, surroundings
-from proxgen.simulation.world import Camera
 
 
 def test_rotation_is_that_of_a_urdf() -> None:
@@ -50,20 +44,3 @@ def test_perturbations_are_bounded_reproducible_and_different(iiwa7_model: Robot
         shift = np.abs(np.subtract(new.position, old.position))
         assert 0.0 < shift.max() <= 0.02
     assert moved.obstacles == original.obstacles
-
-
-def test_a_film_has_its_pictures_in_order(iiwa7_config: Config, iiwa7_model: RobotModel) -> None:
-    motion = Motion(direction=(0.0, 0.0, 1.0), distance=0.4, speed=0.4, period=4.0)
-    ball = Obstacle(name="ball", shape="sphere", radius=0.1, position=(0.4, 0.4, 0.2), motion=motion)
-    stage = scene(ball, targets=((0.5, -0.3, 0.5),), start=(0.0, 0.6, 0.0, 1.2, 0.0, 0.5, 0.0))
-    log = run(
-        iiwa7_config, iiwa7_model, StraightController(iiwa7_model), stage, sensing="ideal", duration=1.0
-    )
-    camera = Camera(width=64, height=48)
-    film = list(frames(log, iiwa7_model, rate=5.0, camera=camera))
-    assert len(film) == 5
-    assert all(picture.shape == (48, 64, 3) for picture in film)
-    assert all((one != other).any() for one, other in pairwise(film))
-    later = list(frames(log, iiwa7_model, rate=5.0, start=0.4, end=0.8, camera=camera))
-    assert len(later) == 2
-    np.testing.assert_array_equal(later[0], film[2])

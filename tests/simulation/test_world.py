@@ -144,7 +144,7 @@ def test_a_picture_shows_arm_obstacles_and_targets(iiwa7_model: RobotModel) -> N
     with World(field, arm) as world:
         bent, straight = arm.poses(np.array([0.0, 1.0, 0.0, 1.0, 0.0, 0.0, 0.0])), arm.poses(np.zeros(7))
         pictures = [
-            world.render(time, poses, camera=camera, targets=np.array([[0.5, -0.4, 0.4]]))
+            world.shoot(time, poses, camera=camera, targets=np.array([[0.5, -0.4, 0.4]])).pixels
             for time, poses in ((0.0, straight), (0.0, bent), (2.0, straight), (0.0, straight))
         ]
         rays = world.rays(np.array([[0.0, 0.0, 2.0]]), np.array([[0.0, 0.0, 0.5]]))

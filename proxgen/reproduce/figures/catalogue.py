@@ -10,6 +10,7 @@ from proxgen.report import style
 from proxgen.reproduce.figures.joints import figure_07, figure_14
 from proxgen.reproduce.figures.links import figure_09, figure_15
 from proxgen.reproduce.figures.methods import figure_10, figure_12, figure_13
+from proxgen.reproduce.figures.rendered import figure_06, figure_08, figure_11
 
 
 @dataclass(frozen=True)
@@ -33,11 +34,28 @@ _LINKS = (
     "its sensors. Grey and red: the thresholds of (13)."
 )
 
+_MARKS = (
+    "Blue: path of the tool. Balls: targets, the present one with a ring. Bars: from a link's axis to its "
+    "nearest obstacle; light blue, yellow, orange, red below d_a, d_0u, d_0l, d_r. Dots: the skin's modules, "
+    "in colour where they feel something."
+)
+
 FIGURES: dict[int, PaperFigure] = {
+    6: PaperFigure(
+        "Robot motion during function verification",
+        f"Proposed method: the singular start, then one way between the targets. {_MARKS}",
+        figure_06,
+    ),
     7: PaperFigure(
         "Joint motion and joint limits",
         f"Function verification, proposed method. Dashed: position limits; shaded: beyond them. {_STARTS}",
         figure_07,
+    ),
+    8: PaperFigure(
+        "The robot with dynamic obstacles",
+        "Proposed method behind the model of the control cabinet, where the paper has a real robot. Below: "
+        f"each obstacle as it comes nearest; above: two seconds earlier. {_MARKS}",
+        figure_08,
     ),
     9: PaperFigure(
         "Least distance to the closest obstacle for each link",
@@ -49,6 +67,12 @@ FIGURES: dict[int, PaperFigure] = {
         "Function verification. The target is swapped when it is reached, which makes the sawtooth; circles "
         f"mark targets reached. {_STARTS}",
         figure_10,
+    ),
+    11: PaperFigure(
+        "The gap between two boxes",
+        "What each method does between the targets, with the tool's whole path so far; the end of the run "
+        f"where a method reaches no second target. {_MARKS}",
+        figure_11,
     ),
     12: PaperFigure(
         "Overall least distance to the closest obstacle, three methods",

@@ -1,6 +1,6 @@
 """Obstacles and arm as bodies in space: rays against them, pictures by pybullet's software renderer."""
 
-from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,47 +9,22 @@ from proxgen.errors import SimulationError
 from proxgen.model.frames import axis_basis
 from proxgen.simulation.arm import ArmGeometry
 from proxgen.simulation.obstacles import Obstacle, ObstacleField
+from proxgen.simulation.world.camera import FAR, NEAR, Camera, Shot
 from proxgen.simulation.world.client import Client, Closing, silent
+from proxgen.simulation.world.meshes import Mesh, disc_mesh, round_mesh
 from proxgen.simulation.world.rotation import quaternion
 
 Array = NDArray[np.float64]
 Colour = tuple[float, float, float, float]
 
-_OBSTACLE_COLOURS: tuple[Colour, ...] = (
-    (0.80, 0.33, 0.28, 1.0),
-    (0.86, 0.58, 0.25, 1.0),
-    (0.62, 0.36, 0.60, 1.0),
-)
-_ARM_COLOURS: tuple[Colour, ...] = ((0.13, 0.42, 0.66, 1.0), (0.80, 0.82, 0.85, 1.0))
-_TARGET_COLOUR: Colour = (0.15, 0.60, 0.25, 1.0)
-_FLOOR_COLOUR: Colour = (0.93, 0.93, 0.91, 1.0)
+_OBSTACLE_COLOUR: Colour = (0.88, 0.72, 0.56, 1.0)
+_ARM_COLOURS: tuple[Colour, ...] = ((0.42, 0.50, 0.58, 1.0), (0.86, 0.88, 0.90, 1.0))
+_TARGET_COLOUR: Colour = (0.0, 0.62, 0.45, 1.0)
+_FLOOR_COLOUR: Colour = (0.98, 0.98, 0.97, 1.0)
 _OBSTACLE_BIT = 1
 _ARM_BITS = 30
 _MAX_RAYS = 4096
 """Rays per call: pybullet silently loses some of a batch of the size that it names as its limit."""
-
-
-@dataclass(frozen=True)
-class Camera:
-    """Where a picture is taken from.
-
-    Attributes:
-        target: the point in the middle of the picture [m].
-        distance: from the target [m].
-        yaw: about z, 0 looks along y [deg].
-        pitch: negative looks down [deg].
-        width: [pixels].
-        height: [pixels].
-        field_of_view: vertical [deg].
-    """
-
-    target: tuple[float, float, float] = (0.3, 0.0, 0.45)
-    distance: float = 1.9
-    yaw: float = 55.0
-    pitch: float = -22.0
-    width: int = 640
-    height: int = 480
-    field_of_view: float = 45.0
 
 
 class World(Closing):
@@ -72,10 +47,7 @@ class World(Closing):
         self._field, self._arm, self._arm_in_rays = field, arm, arm_in_rays
         self._client = Client(gui=gui)
         self._bullet = self._client.bullet
-        self._obstacles = [
-            self._body(obstacle, _OBSTACLE_COLOURS[index % len(_OBSTACLE_COLOURS)], solid=True)
-            for index, obstacle in enumerate(field.obstacles)
-        ]
+        self._obstacles = [self._body(obstacle, _OBSTACLE_COLOUR, solid=True) for obstacle in field.obstacles]
         self._turns = [quaternion(obstacle.rotation) for obstacle in field.obstacles]
         self._capsules: list[int] = []
         self._decorations: list[int] = []
@@ -122,14 +94,14 @@ class World(Closing):
             fractions[chosen] = self._cast(origins[chosen], ends[chosen], -1 & ~self._arm_bit(int(body)))
         return fractions
 
-    def render(
+    def shoot(
         self,
         time: float,
         poses: Array,
         *,
         camera: Camera | None = None,
         targets: Array | None = None,
-    ) -> NDArray[np.uint8]:
+    ) -> Shot:
         """Draw arm, obstacles and targets with the software renderer.
 
         Args:
@@ -137,9 +109,6 @@ class World(Closing):
             poses: body poses (B, 4, 4).
             camera: default: from the front, a little above.
             targets: (K, 3) drawn as small spheres, world [m]; the first call decides.
-
-        Returns:
-            (height, width, 3) RGB.
         """
         view, bullet = camera or Camera(), self._bullet
         if not self._capsules:
@@ -150,9 +119,9 @@ class World(Closing):
         eye = bullet.computeViewMatrixFromYawPitchRoll(
             view.target, view.distance, view.yaw, view.pitch, 0.0, 2
         )
-        lens = bullet.computeProjectionMatrixFOV(view.field_of_view, view.width / view.height, 0.05, 10.0)
+        lens = bullet.computeProjectionMatrixFOV(view.field_of_view, view.width / view.height, NEAR, FAR)
         with silent(1):
-            _, _, pixels, _, _ = bullet.getCameraImage(
+            _, _, pixels, depth, _ = bullet.getCameraImage(
                 view.width,
                 view.height,
                 eye,
@@ -163,7 +132,10 @@ class World(Closing):
                 flags=bullet.ER_NO_SEGMENTATION_MASK,
                 **self._id,
             )
-        return np.asarray(pixels, dtype=np.uint8).reshape(view.height, view.width, 4)[:, :, :3].copy()
+        shape = (view.height, view.width)
+        colours = np.asarray(pixels, dtype=np.uint8).reshape(*shape, 4)[:, :, :3].copy()
+        metres = FAR * NEAR / (FAR - (FAR - NEAR) * np.asarray(depth, dtype=float).reshape(shape))
+        return Shot(colours, metres, view)
 
     def _cast(self, origins: Array, ends: Array, mask: int) -> Array:
         """Rays in batches that pybullet accepts; only bodies whose group is in `mask` stop them."""
@@ -188,20 +160,16 @@ class World(Closing):
     def _body(self, obstacle: Obstacle, colour: Colour, *, solid: bool, group: int = _OBSTACLE_BIT) -> int:
         """A body without mass; one that is not `solid` is seen by the camera, but not by rays."""
         bullet, client = self._bullet, self._id
-        sizes = {
+        kind, size = {
             "box": (bullet.GEOM_BOX, {"halfExtents": obstacle.half_size.tolist()}),
             "sphere": (bullet.GEOM_SPHERE, {"radius": obstacle.radius}),
-            "capsule": (bullet.GEOM_CAPSULE, {"radius": obstacle.radius}),
-        }
-        kind, size = sizes[obstacle.shape]
-        # An axis' length has one name for what is touched and another for what is drawn.
-        touched, drawn = {"height": obstacle.length}, {"length": obstacle.length}
-        if obstacle.shape != "capsule":
-            touched, drawn = {}, {}
-        look = bullet.createVisualShape(
-            kind, rgbaColor=colour, specularColor=(0.1, 0.1, 0.1), **size, **drawn, **client
-        )
-        touch = bullet.createCollisionShape(kind, **size, **touched, **client) if solid else -1
+            "capsule": (bullet.GEOM_CAPSULE, {"radius": obstacle.radius, "height": obstacle.length}),
+        }[obstacle.shape]
+        if obstacle.shape == "box":
+            look = self._look(colour, shapeType=kind, **size)
+        else:
+            look = self._mesh(colour, round_mesh(obstacle.radius, obstacle.length))
+        touch = bullet.createCollisionShape(kind, **size, **client) if solid else -1
         body: int = bullet.createMultiBody(
             0.0, touch, look, obstacle.position.tolist(), quaternion(obstacle.rotation), **client
         )
@@ -210,6 +178,23 @@ class World(Closing):
         if solid:
             bullet.setCollisionFilterGroupMask(body, -1, group, -1, **client)
         return body
+
+    def _look(self, colour: Colour, **shape: Any) -> int:
+        """What a body looks like."""
+        number: int = self._bullet.createVisualShape(
+            **shape, rgbaColor=colour, specularColor=(0.1, 0.1, 0.1), **self._id
+        )
+        return number
+
+    def _mesh(self, colour: Colour, mesh: Mesh) -> int:
+        """What a body of any shape looks like."""
+        return self._look(
+            colour,
+            shapeType=self._bullet.GEOM_MESH,
+            vertices=mesh.vertices.tolist(),
+            indices=mesh.triangles.ravel().tolist(),
+            normals=mesh.normals.tolist(),
+        )
 
     def _create_arm(self) -> None:
         """One body per capsule; a capsule of no length is a sphere."""
@@ -230,9 +215,10 @@ class World(Closing):
 
     def _create_decorations(self, targets: Array) -> None:
         """Floor and targets, which rays never see."""
-        size, down = np.array([1.5, 1.5, 0.005]), np.array([0.0, 0.0, -0.006])
-        floor = Obstacle("floor", "box", size, 0.0, 0.0, down, np.eye(3))
-        self._decorations.append(self._body(floor, _FLOOR_COLOUR, solid=False))
+        around = np.concatenate([self._field.positions(0.0), np.atleast_2d(targets).reshape(-1, 3)])
+        radius = 0.45 + float(np.linalg.norm(around[:, :2], axis=1).max(initial=0.45))
+        look = self._mesh(_FLOOR_COLOUR, disc_mesh(radius))
+        self._decorations.append(self._bullet.createMultiBody(0.0, -1, look, [0.0, 0.0, -0.006], **self._id))
         for target in np.atleast_2d(targets):
             if target.size:
                 ball = Obstacle("target", "sphere", np.zeros(3), 0.02, 0.0, target, np.eye(3))
