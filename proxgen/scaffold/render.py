@@ -64,6 +64,11 @@ class Sheet:
         return 0.08 * self.scale
 
     @property
+    def damping(self) -> tuple[float, float, float]:
+        """Gain, threshold and floor of (15): as in the preset, scaled as J'J, w and J'J are with lengths."""
+        return 0.1 * self.scale**2, 1e-3 * self.scale ** len(self.rows), 1e-3 * self.scale**2
+
+    @property
     def thresholds(self) -> Thresholds:
         """Thresholds to the capsules' surfaces."""
         return Thresholds(*(round(value * self.scale, 4) for value in (0.24, 0.18, 0.15, 0.10)))

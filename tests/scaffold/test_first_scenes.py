@@ -15,9 +15,11 @@ from proxgen.simulation.rollout import run
 pytestmark = pytest.mark.slow
 
 
-@pytest.mark.parametrize(("name", "kind"), [("panda", "pose"), ("xarm7", "pointing")])
-def test_targets_are_reached_with_their_orientation(name: str, kind: str, tmp_path: Path) -> None:
-    """Neither arm reached any while targets were positions, to be reached with the start's orientation."""
+@pytest.mark.parametrize(
+    ("name", "kind"), [("panda", "pose"), ("xarm7", "pointing"), ("hand_finger", "position")]
+)
+def test_targets_are_reached_by_arms_of_every_size(name: str, kind: str, tmp_path: Path) -> None:
+    """None of them reached any while targets had no orientation, and the damping was that of a long arm."""
     arm = next(arm for arm in EXAMPLES + OTHERS if arm.name == name)
     first = scaffold(arm.urdf, arm.tool, tmp_path / "arm.yaml")
     path = first.with_name("other.yaml")
