@@ -163,7 +163,7 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
   }
 }
 
-/* What decides a cycle, as doubles: parameters, row_on, distance, ubA, lb, ub, A, H, g. */
+/* What decides a cycle, as doubles: parameters, row_on, distance, self_distance, ubA, lb, ub, A, H, g. */
 static void write_problem(const pg_controller_t *controller, FILE *file) {
   const pg_diagnostics_t *cycle = &controller->cycle;
   double on[PG_ROWS];
@@ -172,6 +172,9 @@ static void write_problem(const pg_controller_t *controller, FILE *file) {
   fwrite(&controller->parameters, sizeof controller->parameters, 1, file);
   fwrite(on, sizeof on, 1, file);
   fwrite(cycle->distance, sizeof cycle->distance, 1, file);
+#if PG_SELF_POINTS
+  fwrite(cycle->self_distance, sizeof cycle->self_distance, 1, file);
+#endif
   fwrite(cycle->ubA, sizeof cycle->ubA, 1, file);
   fwrite(cycle->lb, sizeof cycle->lb, 1, file);
   fwrite(cycle->ub, sizeof cycle->ub, 1, file);

@@ -1,34 +1,54 @@
-"""A million random cycles with each back end: `make soak`, or `python runtime/tests/soak.py [CYCLES]`.
+"""A million random cycles with each back end: `make soak`, or `python runtime/tests/soak.py CYCLES CONFIG`.
 
-What must hold in every cycle is checked by `random_cycles.c`, with the controller of the iiwa 7:
+What must hold in every cycle is checked by `random_cycles.c`, with the controller of the iiwa 7 or another:
 
 - Optimised builds. Uses of the heap are counted. qpOASES starts each cycle from the velocity that DAQP had
-  found, so that both decide about the same problems; then their statuses and commands are compared.
+  found, so that both decide about the same problems; then their statuses and commands are compared. Once with
+  parameters within a factor of ten of the default ones, once with parameters from anywhere in their ranges.
+- Of every fiftieth cycle, and of all in which the back ends differ or give up, the stages are judged anew: by
+  the reference's search for proofs (`feasibility_margin`), and where that is not sharp enough in rational
+  arithmetic, without rounding.
 - Builds with AddressSanitizer and UndefinedBehaviorSanitizer, and parameters from anywhere in their ranges.
 """
 
+import json
 import re
 import sys
 import tempfile
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+import proxgen
 from proxgen.builder.program import compile_program
 from proxgen.builder.toolchain import run
+from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Status
+from proxgen.controllers.reference.feasibility import feasibility_margin
+from proxgen.controllers.reference.parameters import Parameters
+from proxgen.controllers.reference.relaxation import STAGES, stage_rows
+from proxgen.controllers.reference.row_order import RowOrder
 from proxgen.errors import ProxgenError
 
 ROOT = Path(__file__).resolve().parents[2]
+MAIN = ROOT / "runtime" / "tests" / "random_cycles.c"
 BACKENDS = ("daqp", "qpoases")
-JOINTS = 7
 SANITIZED = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 SEED = "7"
-LEAST_SOLVED = {"daqp": 1.0, "qpoases": 0.9999}
-"""Part of the feasible problems that has to be solved."""
+MOST_MISSED = {"daqp": 0.0, "qpoases": 1e-4}
+"""Part of the feasible problems that may be missed."""
+
+TOLERANCE = 1e-8
+"""Rows that exclude each other by less [m/s] are a tie (docs/method.md, step 6)."""
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -37,69 +57,241 @@ class Record:
 
     Attributes:
         status: (T,).
+        residual: (T,) of the certificate; nan where nothing was solved.
         qdot: (T, n) [rad/s].
     """
 
-    status: NDArray[np.float64]
-    qdot: NDArray[np.float64]
+    status: Array
+    residual: Array
+    qdot: Array
 
 
-def random_cycles(backend: str, folder: Path, cycles: int, options: Sequence[str], sanitize: bool) -> str:
-    """Compile in a folder and run the random cycles of one back end; returns what they print.
+@dataclass(frozen=True)
+class Problem:
+    """What decides a cycle.
 
-    Raises:
-        BuildError: a promise was broken, or a sanitizer has found something; with what was said.
+    Attributes:
+        values: arrays by their names in `random_cycles.c`, write_problem.
+        parameters: in force in that cycle.
     """
-    target = folder / f"{backend}{'-sanitized' if sanitize else ''}"
-    main, generated = ROOT / "runtime" / "tests" / "random_cycles.c", ROOT / "generated" / "iiwa7"
-    program = compile_program(main, generated, backend, target, SANITIZED if sanitize else [])
-    return run([str(program), str(cycles), SEED, *options], f"random cycles with {backend} failed")
+
+    values: dict[str, Array]
+    parameters: Parameters
 
 
-def read(path: Path) -> Record:
+def read_record(path: Path, joints: int) -> Record:
     """The record of a run."""
-    values = np.fromfile(path).reshape(-1, 2 + JOINTS)
-    return Record(values[:, 0], values[:, 2:])
+    values = np.fromfile(path).reshape(-1, 2 + joints)
+    return Record(values[:, 0], values[:, 1], values[:, 2:])
 
 
-def problems(records: dict[str, Record], heap_calls: int) -> list[str]:
-    """What falls short of the promises, in words."""
-    found = [f"DAQP used the heap {heap_calls} times"] if heap_calls else []
+def read_problems(path: Path, manifest: dict[str, Any], own: bool) -> Iterator[Problem]:
+    """The problems that a run has written."""
+    sizes: dict[str, int] = manifest["dimensions"]
+    n, rows, capsules = sizes["joints"], sizes["rows"], sizes["capsules"]
+    shapes: dict[str, tuple[int, ...]] = {
+        each["name"]: tuple(each["shape"]) for each in manifest["parameters"]
+    }
+    layout = {f"parameter {name}": shape for name, shape in shapes.items()}
+    layout |= {"row_on": (rows,), "distance": (capsules,), "self_distance": (capsules if own else 0,)}
+    layout |= {"ubA": (rows,), "lb": (n,), "ub": (n,), "A": (rows, n), "H": (n, n), "g": (n,)}
+    ends = np.cumsum([int(np.prod(shape)) for shape in layout.values()])
+    for line in np.fromfile(path).reshape(-1, ends[-1]):
+        parts = zip(layout.items(), np.split(line, ends[:-1]), strict=True)
+        values = {name: part.reshape(shape) for (name, shape), part in parts}
+        chosen: dict[str, Any] = {name: values.pop(f"parameter {name}") for name in shapes}
+        chosen |= {name: float(value) for name, value in chosen.items() if not value.shape}
+        yield Problem(values, Parameters(**chosen))
+
+
+def stages(problem: Problem, order: RowOrder) -> Iterator[tuple[Status, Array, Array]]:
+    """Rows and right-hand sides of the stages; one that is as the one before is among them."""
+    values = problem.values
+    ladder = order.ladder(values["distance"], values["self_distance"], problem.parameters)
+    for status in STAGES:
+        kept, b = stage_rows(status, values["row_on"] > 0.5, values["ubA"], ladder)
+        yield status, values["A"][kept], b[kept]
+
+
+def exact_margin(A: Array, b: Array, lb: Array, ub: Array) -> Fraction:
+    """t* = min over the box of the greatest component of A x - b, in rational arithmetic.
+
+    By duality it is the greatest value of min over the box of y'(A x - b) with y ≥ 0, Σy = 1. That is linear
+    between the planes y_i = 0 and (A'y)_j = 0, so it is greatest where k - 1 of them meet: all are tried.
+
+    Args:
+        A: (k, n) rows, k ≥ 1.
+        b: (k,) right-hand sides.
+        lb: (n,) lower bounds.
+        ub: (n,) upper bounds.
+    """
+    k, n = A.shape
+    rows = [[Fraction(value) for value in row] for row in A.tolist()]
+    right, low, high = ([Fraction(value) for value in array.tolist()] for array in (b, lb, ub))
+    planes = [[Fraction(int(i == j)) for j in range(k)] for i in range(k)]
+    planes += [[row[j] for row in rows] for j in range(n) if low[j] != high[j]]
+    values = []
+    for chosen in combinations(planes, k - 1):
+        y = solve_exactly([[Fraction(1)] * k, *chosen], [Fraction(1)] + [Fraction(0)] * (k - 1))
+        if y is None or min(y) < 0:
+            continue
+        slope = [sum((y[i] * rows[i][j] for i in range(k)), Fraction(0)) for j in range(n)]
+        least = sum((min(s * u, s * v) for s, u, v in zip(slope, low, high, strict=True)), Fraction(0))
+        values.append(least - sum((y[i] * right[i] for i in range(k)), Fraction(0)))
+    return max(values)
+
+
+def solve_exactly(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction] | None:
+    """The solution of linear equations; None if there is not exactly one."""
+    size = len(right)
+    lines = [[*line, value] for line, value in zip(matrix, right, strict=True)]
+    for c in range(size):
+        pivot = next((i for i in range(c, size) if lines[i][c]), None)
+        if pivot is None:
+            return None
+        lines[c], lines[pivot] = lines[pivot], lines[c]
+        lines[c] = [value / lines[c][c] for value in lines[c]]
+        for i in range(size):
+            factor = lines[i][c]
+            if i != c and factor:
+                lines[i] = [u - factor * v for u, v in zip(lines[i], lines[c], strict=True)]
+    return [line[size] for line in lines]
+
+
+def feasibility(A: Array, b: Array, lb: Array, ub: Array) -> str:
+    """`feasible`, `infeasible`, or `tie`: rows that exclude each other by no more than the tolerance."""
+    _, least, most = feasibility_margin(A, b, lb, ub, TOLERANCE)
+    if least > TOLERANCE or most <= 0.0:
+        return "infeasible" if least > TOLERANCE else "feasible"
+    margin = exact_margin(A, b, lb, ub)
+    return "feasible" if margin <= 0 else "tie" if margin <= TOLERANCE else "infeasible"
+
+
+def judge(problem: Problem, order: RowOrder, decided: Sequence[float]) -> list[str]:
+    """What each decision of a cycle is worth.
+
+    `right`; `tied`: a stage is a tie, and decides; `missed`: a stage before it is feasible; `wrong`: it is
+    a stage that is not feasible.
+    """
+    verdicts: dict[Status, str] = {}
+    for status, A, b in stages(problem, order):
+        verdicts[status] = feasibility(A, b, problem.values["lb"], problem.values["ub"])
+        if verdicts[status] == "feasible":
+            break
+    first = min((status for status, verdict in verdicts.items() if verdict == "feasible"), default=np.inf)
+    words = []
+    for status in map(Status, map(int, decided)):
+        if status > first:
+            words.append("missed")
+        elif verdicts.get(status) == "infeasible":
+            words.append("wrong")
+        else:
+            words.append("tied" if "tie" in verdicts.values() and status != first else "right")
+    return words
+
+
+def listed(records: dict[str, Record], step: int = 50) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Cycles to judge: each `step`-th without a fault, and all disputed ones; and (T,) which are disputed."""
     statuses = np.array([records[name].status for name in BACKENDS])
-    best = np.where(statuses.min(axis=0) < Status.STOPPED_INFEASIBLE, statuses.min(axis=0), np.inf)
-    for name, status in zip(BACKENDS, statuses, strict=True):
-        solved = np.mean(status[np.isfinite(best)] == best[np.isfinite(best)])
-        if not solved >= LEAST_SOLVED[name]:
-            found.append(f"{name} solves {100.0 * solved:.4f} % of the feasible problems")
-    infeasible = statuses == Status.STOPPED_INFEASIBLE
-    disagree = np.sum(infeasible[0] != infeasible[1])
-    if disagree:
-        found.append(f"the back ends disagree about feasibility in {disagree} cycles")
+    disputed = (statuses[0] != statuses[1]) | (statuses == Status.STOPPED_SOLVER).any(axis=0)
+    sampled = np.arange(disputed.size) % step == 0
+    return np.flatnonzero((sampled | disputed) & (statuses <= Status.STOPPED_SOLVER).all(axis=0)), disputed
+
+
+def problems(
+    judged: dict[str, Counter[str]], cycles: int, heap_calls: int, disputed_faults: int = 0
+) -> list[str]:
+    """What falls short of the promises, in words.
+
+    Args:
+        judged: per back end, how many cycles were right, tied, missed, wrong.
+        cycles: with a QP, all of the run.
+        heap_calls: of DAQP.
+        disputed_faults: cycles that are a fault for one back end only.
+    """
+    found = [f"DAQP used the heap {heap_calls} times"] if heap_calls else []
+    if disputed_faults:
+        found.append(f"{disputed_faults} cycles are a fault for one back end only")
+    for name in BACKENDS:
+        if judged[name]["wrong"]:
+            found.append(f"{name} solved what is infeasible in {judged[name]['wrong']} cycles")
+        if judged[name]["missed"] > MOST_MISSED[name] * cycles:
+            found.append(f"{name} missed {judged[name]['missed']} of {cycles} feasible problems")
     return found
 
 
-def main(cycles: int) -> int:
-    """Run everything; 1 if a promise does not hold."""
-    with tempfile.TemporaryDirectory(prefix="proxgen-soak-") as name:
-        folder = Path(name)
-        paths = {backend: folder / f"{backend}.record" for backend in BACKENDS}
-        follow: dict[str, list[str]] = {"daqp": [], "qpoases": ["--follow", str(paths["daqp"])]}
-        said = {}
-        for backend, path in paths.items():
-            options = ["--record", str(path), *follow[backend]]
-            said[backend] = random_cycles(backend, folder, cycles, options, sanitize=False)
-            print(said[backend], end="", flush=True)
-        records = {backend: read(path) for backend, path in paths.items()}
+class Soak:
+    """The runs of one configuration, in a folder of their own."""
+
+    def __init__(self, config: Config, folder: Path, cycles: int) -> None:
+        self.config, self.folder, self.cycles = config, folder, cycles
+        self.generated = proxgen.generate(config, folder / "generated")
+        self.manifest = json.loads((self.generated / "manifest.json").read_text())
+
+    def run(self, backend: str, *options: str, sanitize: bool = False) -> str:
+        """Compile and run the random cycles of one back end; returns what they print.
+
+        Raises:
+            BuildError: a promise was broken, or a sanitizer has found something; with what was said.
+        """
+        target = self.folder / f"{backend}{'-sanitized' if sanitize else ''}"
+        if not target.exists():
+            compile_program(MAIN, self.generated, backend, target, SANITIZED if sanitize else [])
+        return run([str(target), str(self.cycles), SEED, *options], f"random cycles with {backend} failed")
+
+    def compare(self, *options: str) -> list[str]:
+        """Both back ends on the same problems; what falls short."""
+        paths = {backend: self.folder / f"{backend}.record" for backend in BACKENDS}
+        said = self.run("daqp", *options, "--record", str(paths["daqp"]))
+        (heap_calls,) = re.findall(r"heap: (\d+) calls", said)
+        follow = ["--record", str(paths["qpoases"]), "--follow", str(paths["daqp"])]
+        print(said, self.run("qpoases", *options, *follow), sep="", end="", flush=True)
+        joints = self.manifest["dimensions"]["joints"]
+        records = {name: read_record(path, joints) for name, path in paths.items()}
         same = records["daqp"].status == records["qpoases"].status
-        difference = np.abs(records["daqp"].qdot - records["qpoases"].qdot)[same].max()
-        print(
-            f"statuses differ in {np.sum(~same)} cycles, commands elsewhere by at most {difference:.1e} rad/s"
-        )
+        apart = np.abs(records["daqp"].qdot - records["qpoases"].qdot)[same].max(axis=1)
+        beyond = np.count_nonzero(apart > 1e-8)
+        print(f"statuses differ in {np.sum(~same)} cycles; commands elsewhere by at most")
+        print(f"{apart.max():.1e} rad/s, and by more than 1e-8 in {beyond} cycles")
+        faults = {name: record.status > Status.STOPPED_SOLVER for name, record in records.items()}
+        judged = self.judge(records, options)
+        best = np.minimum(records["daqp"].status, records["qpoases"].status)
+        feasible = int(np.sum(best < Status.STOPPED_INFEASIBLE))
+        return problems(judged, feasible, int(heap_calls), int(np.sum(faults["daqp"] != faults["qpoases"])))
+
+    def judge(self, records: dict[str, Record], options: Sequence[str]) -> dict[str, Counter[str]]:
+        """Judge the sample and what is disputed; prints what comes out."""
+        cycles, disputed = listed(records)
+        judged: dict[str, Counter[str]] = {name: Counter() for name in BACKENDS}
+        if self.config.relaxation.mode == "slack":  # always feasible
+            for name in BACKENDS:
+                judged[name]["missed"] = int(np.sum(records[name].status == Status.STOPPED_SOLVER))
+            return judged
+        at, written = self.folder / "at", self.folder / "problems"
+        at.write_text("\n".join(map(str, cycles)))
+        self.run("daqp", *options, "--at", str(at), "--problems", str(written))
+        order = RowOrder.of(self.config)
+        read = read_problems(written, self.manifest, order.own)
+        for cycle, problem in zip(cycles, read, strict=True):
+            decided = [records[name].status[cycle] for name in BACKENDS]
+            worth = judge(problem, order, decided)
+            for name, word in zip(BACKENDS, worth, strict=True):
+                judged[name][word] += 1
+        for name in BACKENDS:
+            print(f"judged {len(cycles)} cycles ({np.sum(disputed)} disputed): {name} {dict(judged[name])}")
+        return judged
+
+
+def main(cycles: int, path: Path) -> int:
+    """Run everything; 1 if a promise does not hold."""
+    found = []
+    with tempfile.TemporaryDirectory(prefix="proxgen-soak-") as name:
+        soak = Soak(proxgen.load(path), Path(name), cycles)
+        for options in ((), ("--extreme",)):
+            print(f"== {path.stem}, parameters {'anywhere' if options else 'near the default'}", flush=True)
+            found += soak.compare(*options)
         for backend in BACKENDS:
-            text = random_cycles(backend, folder, cycles, ["--extreme"], sanitize=True)
-            print(f"with sanitizers, {text}", end="", flush=True)
-    (heap_calls,) = re.findall(r"heap: (\d+) calls", said["daqp"])
-    found = problems(records, int(heap_calls))
+            print("== with sanitizers,", soak.run(backend, "--extreme", sanitize=True), end="", flush=True)
     for problem in found:
         print(f"failed: {problem}", file=sys.stderr)
     return 1 if found else 0
@@ -107,6 +299,7 @@ def main(cycles: int) -> int:
 
 if __name__ == "__main__":
     try:
-        sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000))
+        config = sys.argv[2] if len(sys.argv) > 2 else ROOT / "examples" / "iiwa7" / "iiwa7.yaml"
+        sys.exit(main(int(sys.argv[1]) if len(sys.argv) > 1 else 1_000_000, Path(config)))
     except ProxgenError as problem:
         sys.exit(f"proxgen: {problem}")

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from runtime_kit import RUNTIME, SANITIZE, TESTS, Kit, Variant
 
-from proxgen.builder.program import compile_program
 from proxgen.builder.solvers import find_solver
 from proxgen.builder.toolchain import find_toolchain, run
 from proxgen.errors import BuildError
@@ -136,15 +135,6 @@ def test_random_cycles_with_anything_that_is_accepted(
 def test_few_changes_still_end_in_a_decision(backend: str, kit: Kit) -> None:
     program = kit.program(TESTS / "random_cycles.c", Variant(backend, (FEW_CHANGES, *SANITIZE)))
     assert "STOPPED_SOLVER" in run([str(program), "5000", "3"], "a promise is broken")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_random_cycles_of_the_iiwa7(backend: str, tmp_path: Path) -> None:
-    generated = RUNTIME.parent / "generated" / "iiwa7"
-    program = compile_program(TESTS / "random_cycles.c", generated, backend, tmp_path / "random_cycles")
-    said = run([str(program), "20000", "4"], "a promise is broken")
-    assert "STOPPED_SOLVER" not in said, said
 
 
 def symbols(path: Path) -> list[tuple[str, str]]:

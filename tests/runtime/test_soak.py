@@ -1,53 +1,113 @@
 """The scripts around the runtime's tests: what they make of their findings, and of missing tools."""
 
+from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from scripts import ROOT, load_script, run_with_tools
 
+from proxgen.config import load
+from proxgen.controllers.reference.feasibility import feasibility_margin
+from proxgen.controllers.reference.parameters import default_parameters
+from proxgen.model import build_model
+
 SOAK = load_script(ROOT / "runtime" / "tests" / "soak.py")
 FUZZ = ROOT / "runtime" / "fuzz" / "fuzz.py"
+CONFIG = load(ROOT / "examples" / "iiwa7" / "iiwa7.yaml")
 CYCLES = 20_000
 
 
-def problems(changed: dict[str, dict[int, int]], heap_calls: int = 0) -> list[str]:
-    """What is found where both back ends solved all cycles but every tenth, except for some statuses."""
-    records = {}
-    for name in SOAK.BACKENDS:
-        status = np.where(np.arange(CYCLES) % 10 == 0, 8.0, 0.0)
-        for cycle, value in changed.get(name, {}).items():
-            status[cycle] = value
-        records[name] = SOAK.Record(status, np.zeros((CYCLES, 7)))
-    found: list[str] = SOAK.problems(records, heap_calls)
+@pytest.fixture(scope="module")
+def soak(tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """A soak of the iiwa 7, short."""
+    return SOAK.Soak(CONFIG, tmp_path_factory.mktemp("soak"), CYCLES)
+
+
+def problems(judged: dict[str, dict[str, int]], heap_calls: int = 0, faults: int = 0) -> list[str]:
+    """What is found in a run of 20,000 feasible cycles."""
+    counters = {name: Counter({"right": 400}) + Counter(judged.get(name, {})) for name in SOAK.BACKENDS}
+    found: list[str] = SOAK.problems(counters, CYCLES, heap_calls, faults)
     return found
 
 
 def test_nothing_is_found_where_nothing_is_wrong() -> None:
     assert problems({}) == []
-    assert problems({"daqp": {3: 17}, "qpoases": {3: 17}}) == []
+    assert problems({"daqp": {"tied": 3}, "qpoases": {"missed": 2, "tied": 1}}) == []
 
 
 @pytest.mark.parametrize(
-    ("changed", "message"),
+    ("judged", "message"),
     [
-        ({"daqp": {1: 9}}, "daqp solves 99.9944 % of the feasible problems"),
-        ({"daqp": {1: 1}}, "daqp solves 99.9944 %"),
-        ({"qpoases": {1: 9, 2: 2}}, "qpoases solves 99.9889 %"),
-        ({"daqp": {1: 8}}, "disagree about feasibility in 1 cycles"),
-        ({"qpoases": {10: 9}}, "disagree about feasibility in 1 cycles"),
+        ({"daqp": {"missed": 1}}, "daqp missed 1 of 20000 feasible problems"),
+        ({"qpoases": {"missed": 3}}, "qpoases missed 3 of 20000 feasible problems"),
+        ({"qpoases": {"wrong": 1}}, "qpoases solved what is infeasible in 1 cycles"),
     ],
 )
-def test_problems_are_found(changed: dict[str, dict[int, int]], message: str) -> None:
-    assert any(message in problem for problem in problems(changed))
+def test_problems_are_found(judged: dict[str, dict[str, int]], message: str) -> None:
+    assert problems(judged) == [message]
 
 
-def test_one_problem_in_ten_thousand_is_forgiven_to_qpoases() -> None:
-    assert problems({"qpoases": {1: 2}}) == []
-
-
-def test_heap_use_is_found() -> None:
+def test_heap_use_and_different_faults_are_found() -> None:
     assert problems({}, heap_calls=4) == ["DAQP used the heap 4 times"]
+    assert problems({}, faults=2) == ["2 cycles are a fault for one back end only"]
+
+
+def test_the_exact_margin_is_that_of_the_reference() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(20):
+        A, b = rng.normal(size=(int(rng.integers(1, 5)), 3)), rng.normal(size=4)
+        lb, ub, b = -rng.uniform(0.0, 0.5, 3), rng.uniform(0.0, 0.5, 3), b[: len(A)]
+        margin = float(SOAK.exact_margin(A, b, lb, ub))
+        _, least, most = feasibility_margin(A, b, lb, ub, margin - 1e-12)
+        assert least - 1e-12 <= margin <= most + 1e-12
+        _, least, most = feasibility_margin(A, b, lb, ub, margin + 1e-7)
+        assert most <= margin + 1e-7
+
+
+@pytest.mark.parametrize(
+    ("excess", "verdict"),
+    [(-1e-30, "feasible"), (0.0, "feasible"), (1e-30, "tie"), (1e-9, "tie"), (3e-8, "infeasible")],
+)
+def test_feasibility_is_told_without_rounding(excess: float, verdict: str) -> None:
+    """x ≤ -excess and -x ≤ -excess, scaled so that a single point or none is left."""
+    A, b = np.array([[1.0, 3.0], [-1.0, -3.0]]), np.array([-excess, -excess])
+    box = np.full(2, 1.0)
+    assert SOAK.feasibility(A, b, -box, box) == verdict
+
+
+def problem(b: list[float]) -> Any:
+    """Three capsules' rows that ask for x_0 ≤ b, and nothing else."""
+    values = {
+        "row_on": np.array([1.0, 1.0, 1.0, 0.0]),
+        "ubA": np.array([*b, 1e20]),
+        "self_distance": np.zeros(0),
+    }
+    values |= {"distance": np.array([0.1, 0.24, 0.28]), "A": np.tile([1.0, 0.0], (4, 1))}
+    values |= {"lb": np.full(2, -0.1), "ub": np.full(2, 0.1)}
+    return SOAK.Problem(values, default_parameters(CONFIG, build_model(CONFIG)))
+
+
+@pytest.mark.parametrize(
+    ("b", "decided", "words"),
+    [
+        ([0.0, 0.0, 0.0], [0, 1, 9], ["right", "missed", "missed"]),
+        ([0.0, 0.0, -0.2], [0, 2, 8], ["wrong", "right", "missed"]),
+        ([0.0, 0.0, -0.1 - 1e-9], [0, 2, 3], ["tied", "right", "missed"]),
+        ([-0.2, 0.0, 0.0], [2, 3, 8], ["wrong", "right", "missed"]),
+    ],
+)
+def test_a_decision_is_judged_by_the_stages_before_it(
+    b: list[float], decided: list[int], words: list[str]
+) -> None:
+    assert SOAK.judge(problem(b), SOAK.RowOrder.of(CONFIG), decided) == words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [(), ("--extreme",)], ids=["near the default", "anywhere"])
+def test_a_short_soak_finds_nothing(options: tuple[str, ...], soak: Any) -> None:
+    assert soak.compare(*options) == []
 
 
 def test_fuzzing_says_what_it_needs(tmp_path: Path) -> None:
