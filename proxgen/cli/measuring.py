@@ -144,7 +144,17 @@ def _bench_scaling(arguments: argparse.Namespace) -> int:
 def _peer_table(benchmark: "PeerBenchmark") -> str:
     """A line per peer, scene and back end: both medians, their ratio, and that of the single cycles."""
     rows: list[tuple[str, ...]] = [
-        ("peer", "cycles of", "p50 us", "against", "p50 us", "ratio", "quartiles of cycles", "no answer")
+        (
+            "peer",
+            "cycles of",
+            "p50 us",
+            "against",
+            "p50 us",
+            "ratio",
+            "quartiles of cycles",
+            "no answer",
+            "links near",
+        )
     ]
     for result in benchmark.results:
         for name, own in result["against"].items():
@@ -159,6 +169,7 @@ def _peer_table(benchmark: "PeerBenchmark") -> str:
                     f"{own['ratio_of_p50']:.1f}",
                     f"{low:.1f} to {high:.1f}",
                     str(result.get("cycles_without_answer", "")),
+                    f"{result['mean_links_near']:.1f}" if "mean_links_near" in result else "",
                 )
             )
     return columns(rows)

@@ -181,7 +181,7 @@ class _Bench:
         for inputs, problem in zip(recorded, problems, strict=True):
             source = self.directory / f"{inputs.name}.npz"
             target = self.directory / f"{inputs.name}_{peer.name}.npz"
-            problem.save(source, self.arm)
+            problem.save(source, self.arm | dict(peer.settings))
             ours = self.times(inputs)
             script = Path(__file__).with_name("run_peer.py")
             run([str(python), str(script), peer.module, str(source), str(target)], f"{peer.title} failed")
@@ -189,7 +189,9 @@ class _Bench:
             no_answer = int(np.isnan(found["qdot"][:, 0]).sum())
             if no_answer == inputs.cycles:
                 raise BuildError(f"{peer.title} found no answer in any cycle of {inputs.name}")
-            self.add(peer, inputs, found["times"], ours, cycles_without_answer=no_answer)
+            near = float((~np.isnan(problem.points[:, :, 0])).sum(axis=1).mean())
+            more = {"cycles_without_answer": no_answer, "mean_links_near": near}
+            self.add(peer, inputs, found["times"], ours, **more)
             installed = json.loads(str(found["versions"]))
             self.versions[peer.name] = {name: installed[name] for name in peer.shown}
 

@@ -1,6 +1,7 @@
 """Who is compared: packages in exact versions, and what is not alike between them and proxgen."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 
 @dataclass(frozen=True)
@@ -14,6 +15,7 @@ class Peer:
         requirements: what is installed into its environment, with exact versions.
         shown: packages whose versions the output names.
         not_alike: what to know before one reads the ratio.
+        settings: of this variant, for the module.
     """
 
     name: str
@@ -22,6 +24,7 @@ class Peer:
     requirements: tuple[str, ...]
     shown: tuple[str, ...]
     not_alike: tuple[str, ...]
+    settings: Mapping[str, bool] = field(default_factory=dict)
 
 
 REFERENCE = Peer(
@@ -33,18 +36,30 @@ REFERENCE = Peer(
     not_alike=("the same method, cycle by cycle, certificate included; written to be read, not to be fast",),
 )
 
+_PINK = Peer(
+    name="pink",
+    title="Pink, a position barrier per link",
+    module="with_pink",
+    requirements=("pin-pink==4.4.0", "pin==4.1.0", "quadprog==0.1.14", "numpy==2.4.6"),
+    shown=("pin-pink", "pin", "quadprog", "numpy"),
+    not_alike=(
+        "alike: a row per link in every cycle; where nothing is within influence, its barrier is 10 m away",
+        "gets the nearest obstacle point of each capsule for nothing; proxgen finds it among its sensors",
+        "its barrier keeps one coordinate of one frame (the capsule's end) in front of the obstacle, "
+        "where proxgen limits the approach of the nearest point along the shortest line",
+        "no active avoidance, no acceleration limit, no staged reduction, no certificate",
+    ),
+)
+
 CONTROLLERS = (
-    Peer(
-        name="pink",
-        title="Pink, position barriers",
-        module="with_pink",
-        requirements=("pin-pink==4.4.0", "pin==4.1.0", "quadprog==0.1.14", "numpy==2.4.6"),
-        shown=("pin-pink", "pin", "quadprog", "numpy"),
+    _PINK,
+    replace(
+        _PINK,
+        title="Pink, barriers of near links alone",
+        settings={"only_near": True},
         not_alike=(
-            "gets the nearest obstacle point of each capsule for nothing; proxgen finds it among its sensors",
-            "its barrier keeps one coordinate of one frame (the capsule's end) in front of the obstacle, "
-            "where proxgen limits the approach of the nearest point along the shortest line",
-            "no active avoidance, no acceleration limit, no staged reduction, no certificate",
+            "as above, but links that have no obstacle within influence get no barrier, where proxgen keeps "
+            "their rows: the least work that Pink can be given",
         ),
     ),
     Peer(

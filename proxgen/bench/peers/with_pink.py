@@ -1,4 +1,9 @@
-"""Pink: a position task, one position barrier per capsule that has an obstacle, joint limits."""
+"""Pink: a position task, one position barrier per capsule in every cycle, joint limits.
+
+Barriers are made anew in each cycle. Pink's own examples make them once, for walls that stand still: it keeps
+what a barrier gave as long as q is nearly the same, so that a wall that has been moved would go unnoticed. To
+make them anew is faster, too, by two comparisons with the q that is kept.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -10,11 +15,17 @@ from pink.barriers import PositionBarrier
 from pink.limits import ConfigurationLimit, VelocityLimit
 from pink.tasks import FrameTask
 
+FAR = 10.0
+"""Where the wall of a capsule stands that has no obstacle within influence [m]."""
+
 _ALIGNED = {(1, 0, 0): "X", (0, 1, 0): "Y", (0, 0, 1): "Z"}
 
 
 def open_solver(arm: dict[str, Any]) -> Callable[..., Any]:
-    """A function from q, xdot, nearest obstacle points and the task point's next place to q̇."""
+    """A function from q, xdot, nearest obstacle points and the task point's next place to q̇.
+
+    With `only_near` in `arm`, capsules that have no obstacle within influence get no barrier.
+    """
     model = _pinocchio_model(arm)
     configuration = Configuration(model, model.createData(), pin.neutral(model))
     task = FrameTask("tool", position_cost=1.0, orientation_cost=0.0, lm_damping=arm["damping"])
@@ -29,13 +40,16 @@ def open_solver(arm: dict[str, Any]) -> Callable[..., Any]:
         task.set_target(goal)
         barriers = []
         for index, point in enumerate(points):
-            if np.isnan(point[0]):
+            frame, seen = f"capsule_{index}", not np.isnan(point[0])
+            if seen:
+                place = configuration.get_transform_frame_to_world(frame).translation
+                axis = int(np.argmax(np.abs(point - place)))
+                side = 1.0 if point[axis] > place[axis] else -1.0
+                bound = np.array([point[axis] - side * arm["d_0u"]])
+            elif arm.get("only_near"):
                 continue
-            frame = f"capsule_{index}"
-            place = configuration.get_transform_frame_to_world(frame).translation
-            axis = int(np.argmax(np.abs(point - place)))
-            side = 1.0 if point[axis] > place[axis] else -1.0
-            bound = np.array([point[axis] - side * arm["d_0u"]])
+            else:
+                axis, side, bound = 0, 1.0, np.array([FAR])
             wall = {"p_max": bound} if side > 0.0 else {"p_min": bound}
             barriers.append(PositionBarrier(frame, indices=[axis], gain=gain, **wall))
         return solve_ik(
