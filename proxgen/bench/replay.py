@@ -16,10 +16,10 @@ from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array
 from proxgen.errors import BuildError
 
-STAGES = ("input", "kinematics", "distances", "rows", "objective and bounds", "solve", "certificate")
+STAGES = ("input", "bounds", "kinematics", "distances", "rows", "objective", "solve", "certificate")
 """As in replay.c; `solve` is the whole ladder with its certificates, `certificate` one of them alone."""
 
-BUILD_STAGES = STAGES[:5]
+BUILD_STAGES = STAGES[:6]
 """What comes before the solver: the QP build."""
 
 

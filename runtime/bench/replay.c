@@ -6,7 +6,7 @@
  *     time, q, xdot, tof_range, tof_age, capacitive (0 or 1), capacitive_age, point_count, points.
  * OUTPUT gets doubles: heap allocations of all timed cycles, seconds that reading the clock takes,
  * certificate residual of the worst success, then REPLAYS times CYCLES times of whole cycles, then per stage
- * of stage_names REPLAYS times CYCLES times [s], then CYCLES statuses. Every replay starts from a reset, so
+ * of the stages REPLAYS times CYCLES times [s], then CYCLES statuses. Every replay starts from a reset, so
  * that it repeats the recorded run to the last bit. */
 #define _POSIX_C_SOURCE 200809L
 #include "count_heap.h"
@@ -19,6 +19,7 @@
 
 enum {
   STAGE_INPUT,
+  STAGE_BOUNDS,
   STAGE_KINEMATICS,
   STAGE_DISTANCES,
   STAGE_ROWS,
@@ -28,17 +29,26 @@ enum {
   STAGES
 };
 
-typedef struct {
-  const double *q, *xdot;
-  pg_measurement_t seen;
-  unsigned char switches[PG_CAPACITIVE + 1];
-} input_t;
-
 static double seconds(void) {
   struct timespec now;
   clock_gettime(CLOCK_MONOTONIC, &now);
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+/* The cycle once more, as `timed_step`: the same source, with a look at the clock where a stage ends. */
+static double stage_end[STAGES];
+#define PG_STAGE_ENDS(stage) (stage_end[STAGE_##stage] = seconds())
+#undef pg_step
+#define pg_step timed_step
+#include "cycle.c"
+#undef pg_step
+#define pg_step PG_NAME(step)
+
+typedef struct {
+  const double *q, *xdot;
+  pg_measurement_t seen;
+  unsigned char switches[PG_CAPACITIVE + 1];
+} input_t;
 
 /* Points an input at one recorded cycle; returns where the next one starts. */
 static const double *open_cycle(const double *record, size_t room, input_t *input) {
@@ -78,45 +88,25 @@ static double time_cycle(pg_controller_t *controller, const input_t *input, doub
   return elapsed;
 }
 
-/* The same cycle in the parts that cycle.c calls, each timed; the solution is then certified once more, to
- * time that alone. Returns 1 if the cycle came as far as the solver. */
-static int time_stages(pg_controller_t *controller, const input_t *input, double *times) {
-  const pg_parameters_t *p = &controller->parameters;
-  pg_diagnostics_t *cycle = &controller->cycle;
-  double mark[STAGES + 1] = {seconds()};
-  pg_status_t status = pg_check_input(controller, input->q, input->xdot, &input->seen);
-  mark[1] = seconds();
-  if (status != PG_SOLVED) return 0;
-  pg_model_kinematics(input->q, &controller->kinematics);
-  mark[2] = seconds();
-  status = pg_find_nearest(controller, &input->seen);
-  mark[3] = seconds();
-  if (status != PG_SOLVED) return 0;
-  pg_write_rows(controller);
-  mark[4] = seconds();
-  pg_model_bounds(p, input->q, controller->qdot_previous, cycle->lb, cycle->ub);
-  pg_model_objective(p, &controller->kinematics, input->q, input->xdot, cycle->H, cycle->g,
-                     &cycle->manipulability, &cycle->damping);
-  mark[5] = seconds();
-  status = pg_find_velocity(controller);
-  mark[6] = seconds();
-  const pg_qp_t qp = {.H = cycle->H,
-                      .g = cycle->g,
-                      .A = cycle->A,
-                      .lb = cycle->lb,
-                      .ub = cycle->ub,
-                      .ubA = controller->ubA,
-                      .softness = controller->softness};
-  const volatile double residual = pg_kkt_residual(&qp, &controller->solution);
-  mark[7] = seconds();
-  (void)residual;
-  for (int stage = 0; stage < STAGES; stage++)
-    times[stage] = mark[stage + 1] - mark[stage];
-  for (int j = 0; j < PG_N; j++) {
-    const double stop = cycle->lb[j] > 0.0 ? cycle->lb[j] : cycle->ub[j] < 0.0 ? cycle->ub[j] : 0.0;
-    controller->qdot_previous[j] = status < PG_STOPPED_INFEASIBLE ? controller->solution.x[j] : stop;
+/* The same cycle in its stages; the solution is then certified once more, to time that alone. Stages that a
+ * cycle does not reach take no time. */
+static void time_stages(pg_controller_t *controller, const input_t *input, double *times) {
+  double qdot[PG_N];
+  memset(stage_end, 0, sizeof stage_end);
+  const double begin = seconds();
+  double before = begin;
+  timed_step(controller, input->q, input->xdot, &input->seen, qdot);
+  if (stage_end[STAGE_SOLVE] >= begin) {
+    const pg_qp_t qp = pg_stage_of(controller);
+    const double start = seconds();
+    const volatile double residual = pg_kkt_residual(&qp, &controller->solution);
+    times[STAGE_CERTIFICATE] = seconds() - start;
+    (void)residual;
   }
-  return 1;
+  for (int stage = 0; stage < STAGE_CERTIFICATE && stage_end[stage] >= begin; stage++) {
+    times[stage] = stage_end[stage] - before;
+    before = stage_end[stage];
+  }
 }
 
 /* Least time between two readings of the clock: what is in every figure. */

@@ -4,6 +4,11 @@
 #include <math.h>
 #include <string.h>
 
+/* Nothing in a controller; runtime/bench/replay.c includes this file to read the clock at these places. */
+#ifndef PG_STAGE_ENDS
+#define PG_STAGE_ENDS(stage)
+#endif
+
 /* Bounds of velocity and acceleration alone, where q is of no use for those of position. */
 static void bounds_without_position(pg_controller_t *controller) {
   const pg_parameters_t *p = &controller->parameters;
@@ -53,13 +58,16 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
   pg_diagnostics_t *cycle = &controller->cycle;
 
   pg_status_t status = pg_check_input(controller, q, xdot, seen);
+  PG_STAGE_ENDS(INPUT);
   if (pg_within_joint_limits(p, q))
     pg_model_bounds(p, q, controller->qdot_previous, cycle->lb, cycle->ub);
   else
     bounds_without_position(controller);
+  PG_STAGE_ENDS(BOUNDS);
   if (status != PG_SOLVED) return status;
 
   pg_model_kinematics(q, &controller->kinematics);
+  PG_STAGE_ENDS(KINEMATICS);
   status = pg_find_nearest(controller, seen);
 #if PG_SELF_POINTS
   if (status == PG_SOLVED) status = pg_find_own(controller);
@@ -68,15 +76,20 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
     forget_additions(cycle);
     return status;
   }
+  PG_STAGE_ENDS(DISTANCES);
 #if PG_CIRCULATION
   double circulating_xdot[PG_M];
   pg_circulate(controller, xdot, circulating_xdot);
   xdot = circulating_xdot;
 #endif
   pg_write_rows(controller, xdot);
+  PG_STAGE_ENDS(ROWS);
   pg_model_objective(p, &controller->kinematics, q, xdot, cycle->H, cycle->g, &cycle->manipulability,
                      &cycle->damping);
-  return pg_find_velocity(controller);
+  PG_STAGE_ENDS(OBJECTIVE);
+  status = pg_find_velocity(controller);
+  PG_STAGE_ENDS(SOLVE);
+  return status;
 }
 
 /* Adds the cycle to the counters. */
