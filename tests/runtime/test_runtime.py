@@ -18,6 +18,10 @@ NO_ACTIVE_ROW = "-DPLANAR_ACTIVE_ROW=0"
 FEW_CHANGES = "-DPG_MAX_ITERATIONS=2"
 INJECTION = "-DPG_FAULT_INJECTION"
 SELF_COLLISION = ("self_collision",)
+SELF_MEASUREMENT = ("self_measurement",)
+MEMORY = ("memory",)
+CIRCULATION = ("circulation",)
+WITHOUT_METHODS = (*SELF_MEASUREMENT, *MEMORY, *CIRCULATION, *SELF_COLLISION)
 
 CASES = [
     ("test_faults.c", ()),
@@ -43,6 +47,11 @@ CASES_OF_ADDITIONS = [
     ("test_self_collision.c", (SLACK,), SELF_COLLISION),
     ("test_self_collision.c", (DAMPER, NO_ACTIVE_ROW), SELF_COLLISION),
     ("test_life.c", (), SELF_COLLISION),
+    ("test_self_measurement.c", (), SELF_MEASUREMENT),
+    ("test_memory.c", (), MEMORY),
+    ("test_circulation.c", (), CIRCULATION),
+    ("test_faults.c", (), (*SELF_MEASUREMENT, *MEMORY, *CIRCULATION)),
+    ("test_life.c", (), WITHOUT_METHODS),
 ]
 
 

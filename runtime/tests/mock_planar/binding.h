@@ -31,6 +31,16 @@
 #if PLANAR_SELF_COLLISION
 #define PG_SELF_POINTS PLANAR_SELF_POINTS
 #endif
+#if PLANAR_SELF_MEASUREMENT
+#define PG_SELF_MEASUREMENT 1
+#endif
+#if PLANAR_MEMORY
+#define PG_MEMORY_CAPACITY PLANAR_MEMORY_CAPACITY
+#endif
+#if PLANAR_CIRCULATION
+#define PG_CIRCULATION 1
+#define PG_LINEAR_ROWS {0, 1, -1}
+#endif
 
 #define PG_INTERFACE         PLANAR_INTERFACE
 #define PG_GENERATOR_VERSION PLANAR_GENERATOR_VERSION
@@ -64,6 +74,9 @@
 #define pg_model_upper_parameters   planar_upper_parameters
 
 /* Of additions. */
+#define pg_model_tof_rays            planar_tof_rays
+#define pg_model_capacitive_cones    planar_capacitive_cones
+#define pg_model_tof_see_through     planar_tof_see_through
 #define pg_model_self_points         planar_self_points
 #define pg_model_self_pairs          planar_self_pairs
 #define pg_model_self_row            planar_self_row

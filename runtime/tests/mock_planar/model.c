@@ -41,6 +41,25 @@ const planar_parameters_t planar_default_parameters = {
     .self_d_0l = 0.05,
     .self_d_r = 0.03,
 #endif
+#if PLANAR_SELF_MEASUREMENT
+    .self_measurement_margin = 0.03,
+#endif
+#if PLANAR_MEMORY
+    .memory_age = 10.0,
+    .memory_merge = 0.04,
+    .memory_margin = 0.10,
+    .memory_reach = 0.5,
+#endif
+#if PLANAR_CIRCULATION
+    .circulation_speed = 0.2,
+    .stall_time = 0.5,
+    .stall_fraction = 0.2,
+    .circulation_release_time = 0.2,
+    .circulation_patience = 1.0,
+    .circulation_time_limit = 12.0,
+    .circulation_blend_time = 0.1,
+    .circulation_bias_z = 0.5,
+#endif
 };
 
 #define LEAST 1e-9 /* the least of what has to be positive */
@@ -65,6 +84,18 @@ const planar_parameters_t planar_lower_parameters = {
     .slack_maximum = LEAST,
     .slack_active_weight = LEAST,
     .posture = {-1e20, -1e20},
+#if PLANAR_MEMORY
+    .memory_age = LEAST,
+    .memory_reach = LEAST,
+#endif
+#if PLANAR_CIRCULATION
+    .circulation_speed = LEAST,
+    .circulation_time_limit = LEAST,
+    .circulation_blend_time = LEAST,
+    .circulation_bias_x = -1e20,
+    .circulation_bias_y = -1e20,
+    .circulation_bias_z = -1e20,
+#endif
 };
 
 const planar_parameters_t planar_upper_parameters = {
@@ -106,6 +137,27 @@ const planar_parameters_t planar_upper_parameters = {
     .self_d_0l = 1e20,
     .self_d_r = 1e20,
 #endif
+#if PLANAR_SELF_MEASUREMENT
+    .self_measurement_margin = 1e20,
+#endif
+#if PLANAR_MEMORY
+    .memory_age = 1e20,
+    .memory_merge = 1e20,
+    .memory_margin = 1e20,
+    .memory_reach = 1e20,
+#endif
+#if PLANAR_CIRCULATION
+    .circulation_speed = 1e20,
+    .stall_time = 1e20,
+    .stall_fraction = 1e20,
+    .circulation_release_time = 1e20,
+    .circulation_patience = 1e20,
+    .circulation_time_limit = 1e20,
+    .circulation_blend_time = 1e20,
+    .circulation_bias_x = 1e20,
+    .circulation_bias_y = 1e20,
+    .circulation_bias_z = 1e20,
+#endif
 };
 
 const pg_capsule_t planar_capsules[PLANAR_CAPSULES] = {
@@ -129,6 +181,27 @@ const pg_sensor_t planar_capacitive[PLANAR_CAPACITIVE] = {
     {.body = 1, .position = {0.4, 0.05, 0}, .normal = {0, 1, 0}, .range = 0.08},
     {.body = 1, .position = {0.4, -0.05, 0}, .normal = {0, -1, 0}, .range = 0.08},
 };
+
+#if PLANAR_SELF_MEASUREMENT
+#define SIN_30 0.5
+#define COS_30 0.86602540378443865
+/* The normal is along y, so that the basis begins with x. */
+#define RAYS(y)                                                                                              \
+  {                                                                                                          \
+    {0, y, 0}, {SIN_30, y * COS_30, 0}, {0, y * COS_30, SIN_30}, {-SIN_30, y * COS_30, 0}, {                 \
+      0, y *COS_30, -SIN_30                                                                                  \
+    }                                                                                                        \
+  }
+const double planar_tof_rays[PLANAR_TOF][5][3] = {RAYS(1), RAYS(-1), RAYS(1), RAYS(-1)};
+const pg_cone_t planar_capacitive_cones[PLANAR_CAPACITIVE] = {{.reach = 0.12, .cosine = 0.5},
+                                                              {.reach = 0.12, .cosine = 0.5}};
+#endif
+
+#if PLANAR_MEMORY
+/* cos(15 degrees): sensors see through in half of their opening angle. */
+#define COS_15 0.96592582628906829
+const double planar_tof_see_through[PLANAR_TOF] = {COS_15, COS_15, COS_15, COS_15};
+#endif
 
 static double least(double a, double b) {
   return a < b ? a : b;

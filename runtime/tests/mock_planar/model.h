@@ -3,7 +3,8 @@
  * that moves with the first, so that two rows are always parallel. Four range sensors and two switches.
  *
  * As variants: with PLANAR_SELF_COLLISION the tool, a ball, must not touch the upper arm, nor the forearm a
- * ball beside the upper arm. */
+ * ball beside the upper arm; with PLANAR_SELF_MEASUREMENT, PLANAR_MEMORY and PLANAR_CIRCULATION there are
+ * those additions. Its range sensors open at 60 degrees, its switches at 120. */
 #ifndef PLANAR_MODEL_H
 #define PLANAR_MODEL_H
 
@@ -21,6 +22,9 @@ extern "C" {
 #define PLANAR_CAPACITIVE 2
 #define PLANAR_MAX_POINTS 8
 #define PLANAR_LENGTH     0.5 /* [m] of each link */
+#if PLANAR_MEMORY
+#define PLANAR_MEMORY_CAPACITY 3
+#endif
 
 #ifndef PLANAR_ACTIVE_ROW
 #define PLANAR_ACTIVE_ROW 1
@@ -49,6 +53,17 @@ typedef struct {
 #if PLANAR_SELF_COLLISION
   double self_d_a, self_d_0u, self_d_0l, self_d_r;
 #endif
+#if PLANAR_SELF_MEASUREMENT
+  double self_measurement_margin;
+#endif
+#if PLANAR_MEMORY
+  double memory_age, memory_merge, memory_margin, memory_reach;
+#endif
+#if PLANAR_CIRCULATION
+  double circulation_speed, stall_time, stall_fraction, circulation_release_time, circulation_patience;
+  double circulation_time_limit, circulation_blend_time;
+  double circulation_bias_x, circulation_bias_y, circulation_bias_z;
+#endif
 } planar_parameters_t;
 
 extern const planar_parameters_t planar_default_parameters, planar_lower_parameters, planar_upper_parameters;
@@ -64,6 +79,13 @@ typedef struct {
 extern const pg_capsule_t planar_capsules[PLANAR_CAPSULES];
 extern const pg_sensor_t planar_tof[PLANAR_TOF];
 extern const pg_sensor_t planar_capacitive[PLANAR_CAPACITIVE];
+#if PLANAR_SELF_MEASUREMENT
+extern const double planar_tof_rays[PLANAR_TOF][5][3];
+extern const pg_cone_t planar_capacitive_cones[PLANAR_CAPACITIVE];
+#endif
+#if PLANAR_MEMORY
+extern const double planar_tof_see_through[PLANAR_TOF];
+#endif
 
 #if PLANAR_SELF_COLLISION
 extern const pg_self_point_t planar_self_points[PLANAR_SELF_POINTS];
