@@ -76,6 +76,26 @@ def test_a_stranger_needs_forty_lines_and_one_command(package: Path, tmp_path: P
     assert float(joint) > 0.2
 
 
+def test_the_readme_of_the_runtime_is_enough(package: Path, tmp_path: Path) -> None:
+    """Its program, its command and its CMake lines, word for word but for the robot's name."""
+    readme = (ROOT / "runtime" / "README.md").read_text()
+    blocks = dict(re.findall(r"^```(c|sh|cmake)\n(.*?)^```", readme, re.M | re.S))
+    named = {
+        kind: re.sub(r"(?<![a-z])arm(?![a-z])", "iiwa7", text).replace("ARM_", "IIWA7_")
+        for kind, text in blocks.items()
+    }
+    (tmp_path / "avoid.c").write_text(named["c"])
+    head = "cmake_minimum_required(VERSION 3.16)\nproject(readme C)\n"
+    (tmp_path / "CMakeLists.txt").write_text(head + named["cmake"])
+    (tmp_path / "build").mkdir()
+    (tmp_path / "build" / "iiwa7").symlink_to(package)
+    call("sh", "-ec", f"cd {tmp_path}\n{named['sh']}")
+    assert call(tmp_path / "avoid") == ""
+    call("cmake", "-S", tmp_path, "-B", tmp_path / "out", f"-DCMAKE_PREFIX_PATH={tmp_path}/build/iiwa7")
+    call("cmake", "--build", tmp_path / "out")
+    assert call(tmp_path / "out" / "avoid") == ""
+
+
 def test_the_readme_names_what_is_there() -> None:
     links = re.findall(r"\]\(([^)]+)\)", (EXAMPLES / "README.md").read_text())
     assert {"loop.c", "loop.cpp", "CMakeLists.txt", "Makefile"} <= set(links)
