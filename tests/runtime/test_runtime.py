@@ -84,9 +84,10 @@ def test_additions_in_c(
     kit.test(name, Variant(backend, (*options, *checks), additions=additions))
 
 
-def test_no_heap_with_daqp(kit: Kit) -> None:
+@pytest.mark.parametrize("additions", [(), WITHOUT_METHODS], ids=["plain", "additions"])
+def test_no_heap_with_daqp(additions: tuple[str, ...], kit: Kit) -> None:
     wrap = ",".join(f"--wrap={name}" for name in ("malloc", "calloc", "realloc", "free"))
-    kit.test("test_heap.c", Variant("daqp"), f"-Wl,{wrap}")
+    kit.test("test_heap.c", Variant("daqp", additions=additions), f"-Wl,{wrap}")
 
 
 def test_threads_share_nothing(kit: Kit) -> None:
@@ -140,6 +141,13 @@ def test_random_cycles_with_anything_that_is_accepted(
     run([str(program), "20000" if options else "100000", "2", "--extreme"], "a promise is broken")
 
 
+@pytest.mark.parametrize("extreme", [(), ("--extreme",)], ids=["usual", "extreme"])
+def test_random_cycles_with_additions(extreme: tuple[str, ...], kit: Kit) -> None:
+    """Points come and go, and the task changes its direction, under sanitizers."""
+    variant = Variant("daqp", SANITIZE, additions=WITHOUT_METHODS)
+    run([str(kit.program(TESTS / "random_cycles.c", variant)), "20000", "5", *extreme], "a promise is broken")
+
+
 @pytest.mark.parametrize("backend", BACKENDS)
 def test_few_changes_still_end_in_a_decision(backend: str, kit: Kit) -> None:
     program = kit.program(TESTS / "random_cycles.c", Variant(backend, (FEW_CHANGES, *SANITIZE)))
@@ -152,8 +160,9 @@ def symbols(path: Path) -> list[tuple[str, str]]:
     return [(line.split()[1], line.split()[0]) for line in lines]
 
 
-def test_what_a_library_needs_and_offers(kit: Kit) -> None:
-    objects = kit.objects(Variant("daqp"))
+@pytest.mark.parametrize("additions", [(), WITHOUT_METHODS], ids=["plain", "additions"])
+def test_what_a_library_needs_and_offers(additions: tuple[str, ...], kit: Kit) -> None:
+    objects = kit.objects(Variant("daqp", additions=additions))
     found = {path.stem: symbols(path) for path in objects}
     defined = {name for each in found.values() for kind, name in each if kind not in "Uw"}
     needed = {
