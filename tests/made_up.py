@@ -1,5 +1,6 @@
 """Logs and comparisons that are made up: any number of joints, any statuses, no simulation."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from proxgen.compare import Comparison, SceneComparison, Tolerances
 from proxgen.compare.judge import QUANTITIES
 from proxgen.controllers.protocol import Status
+from proxgen.model import RobotModel
 from proxgen.simulation.log import RolloutLog
 
 PERIOD = 0.02
@@ -61,6 +63,16 @@ def make_log(joints: int = 3, capsules: int = 2, cycles: int = 200, **meta: Any)
             "obstacles": [BOX, BALL],
         } | meta,
     )  # fmt: skip
+
+
+def make_arm_log(model: RobotModel, cycles: int = 200, **meta: Any) -> RolloutLog:
+    """A made-up log with an arm's joints, capsules and sensors, which see nothing."""
+    log = make_log(model.n, len(model.capsules), cycles, robot=model.name, **meta)
+    return replace(
+        log,
+        tof_range=np.ones((cycles, len(model.tof_modules))),
+        capacitive=np.zeros((cycles, len(model.capacitive_modules)), dtype=bool),
+    )
 
 
 def make_comparison(qdot_error: float = 1e-13, mismatches: int = 0) -> Comparison:

@@ -243,24 +243,8 @@ def test_an_output_that_cannot_be_written_is_said(capsys: pytest.CaptureFixture[
 
 def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "1 s"]
-    assert (
-        main(
-            [
-                *words,
-                "--sensing",
-                "ideal",
-                "--seed",
-                "3",
-                "--json",
-                "a/run.json",
-                "--out",
-                "b",
-                "--film",
-                "c/film.gif",
-            ]
-        )
-        == 0
-    )
+    words += ["--sensing", "ideal", "--seed", "3"]
+    assert main([*words, "--json", "a/run.json", "--out", "b", "--film", "c/film.gif"]) == 0
     captured = capsys.readouterr()
     numbers = json.loads(Path("a/run.json").read_text())
     assert set(numbers) == RUN_KEYS

@@ -72,7 +72,7 @@ class Stage(Closing):
         """
         self.log = log
         self._arm, self._drawn = ArmGeometry(model), ArmGeometry(with_pedestal(model))
-        self._modules = SensorFrame(model.tof_modules)
+        self._skin, self._frame = model.modules, SensorFrame(model.modules)
         self._field = ObstacleField(obstacles_of(log))
         self.camera = camera
         self._world = World(self._field, self._drawn)
@@ -112,13 +112,18 @@ class Stage(Closing):
         return sorted(found, key=lambda gap: -gap.distance)
 
     def modules(self, cycle: int) -> Modules:
-        """The skin and what it felt in a cycle; nothing if it was not there or took no part."""
-        every = np.arange(len(self._modules.body))
-        position, normal = self._modules.place(self._arm.poses(self.log.q[cycle]), every)
-        near = self.log.tof_range[cycle] < zones(self.log)[0].begin
-        closed = self.log.capacitive[cycle]
-        if len(closed) != len(every) or self.log.meta["sensing"] != "skin":
-            closed = np.zeros(len(every), dtype=bool)
+        """The skin and what it felt in a cycle, as far as it took part."""
+        count = len(self._skin)
+        position, normal = self._frame.place(self._arm.poses(self.log.q[cycle]), np.arange(count))
+        near, closed = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+        if self.log.meta["sensing"] == "skin":
+            begin = zones(self.log)[0].begin
+            ranged = [index for index, module in enumerate(self._skin) if module.tof is not None]
+            switches = [index for index, module in enumerate(self._skin) if module.capacitive is not None]
+            # A sensor that sees nothing reports its range, which may be short.
+            ranges = [module.tof.range for module in self._skin if module.tof is not None]
+            near[ranged] = self.log.tof_range[cycle] < np.minimum(begin, ranges)
+            closed[switches] = self.log.capacitive[cycle]
         return Modules(position, normal, near, closed)
 
 

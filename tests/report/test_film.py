@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import BALL, BOX, make_log
+from made_up import BALL, BOX, make_arm_log, make_log
 from PIL import Image
 
 from proxgen.errors import SimulationError
@@ -17,17 +17,9 @@ from proxgen.report.film import RATE, chosen_cycles, write_film
 from proxgen.report.overlay import Overlay, meaningful_colours
 from proxgen.report.stage import Stage, fitting_camera, zone_of
 from proxgen.simulation.arm import ArmGeometry
-from proxgen.simulation.log import RolloutLog
 from proxgen.simulation.world import Camera, Shot
 
 SIZE = (96, 72)
-
-
-def planar_log(model: RobotModel, cycles: int = 200, **meta: object) -> RolloutLog:
-    """A made-up run of the planar arm, which takes part without a skin."""
-    log = make_log(joints=2, capsules=len(model.capsules), cycles=cycles, robot="planar2", **meta)
-    modules = len(model.tof_modules)
-    return replace(log, tof_range=np.ones((cycles, modules)), capacitive=np.zeros((cycles, modules), bool))
 
 
 def pictures_of(film: Path) -> list[np.ndarray]:
@@ -44,7 +36,7 @@ def pictures_of(film: Path) -> list[np.ndarray]:
 def test_a_film_has_its_pictures_and_they_move(tmp_path: Path, planar2_model: RobotModel, kind: str) -> None:
     steps: list[tuple[int, int]] = []
     film = write_film(
-        tmp_path / f"film.{kind}", planar_log(planar2_model), planar2_model,
+        tmp_path / f"film.{kind}", make_arm_log(planar2_model), planar2_model,
         pictures=6, size=SIZE, progress=lambda done, every: steps.append((done, every)),
     )  # fmt: skip
     pictures = pictures_of(film)
@@ -66,7 +58,7 @@ def test_obstacles_move_with_time(tmp_path: Path, planar2_model: RobotModel) -> 
     near = BALL | {"position": [0.5, 0.0, 0.2], "motion": motion}
     changed = {}
     for name, ball in (("moving", near), ("resting", near | {"motion": None})):
-        log = planar_log(planar2_model, obstacles=[ball])
+        log = make_arm_log(planar2_model, obstacles=[ball])
         log = replace(log, q=np.zeros_like(log.q), tool_position=np.zeros_like(log.tool_position))
         film = write_film(tmp_path / f"{name}.gif", log, planar2_model, pictures=3, size=(160, 120))
         pictures = [picture[38:].astype(int) for picture in pictures_of(film)]
@@ -76,7 +68,9 @@ def test_obstacles_move_with_time(tmp_path: Path, planar2_model: RobotModel) -> 
 
 
 def test_colours_that_mean_something_survive_a_gif(tmp_path: Path, planar2_model: RobotModel) -> None:
-    film = write_film(tmp_path / "film.gif", planar_log(planar2_model), planar2_model, pictures=3, size=SIZE)
+    film = write_film(
+        tmp_path / "film.gif", make_arm_log(planar2_model), planar2_model, pictures=3, size=SIZE
+    )
     with Image.open(film) as image:
         palette = np.array(image.getpalette()).reshape(-1, 3)
     for colour in meaningful_colours():
@@ -98,7 +92,7 @@ def test_which_cycles_are_shown() -> None:
 
 def test_other_formats_are_refused(tmp_path: Path, planar2_model: RobotModel) -> None:
     with pytest.raises(SimulationError, match=r"\.gif or \.webp, not 'film.mp4'"):
-        write_film(tmp_path / "film.mp4", planar_log(planar2_model), planar2_model)
+        write_film(tmp_path / "film.mp4", make_arm_log(planar2_model), planar2_model)
     assert not list(tmp_path.iterdir())
 
 
@@ -116,7 +110,7 @@ def test_a_report_shows_the_film(tmp_path: Path) -> None:
 @pytest.mark.parametrize("reference", ["axis", "surface"])
 def test_gaps_are_the_true_distances(planar2_model: RobotModel, reference: str) -> None:
     box = BOX | {"half_size": [0.1, 0.1, 0.1], "position": [0.7, 0.2, 0.36]}
-    log = planar_log(planar2_model, obstacles=[box], distance_reference=reference)
+    log = make_arm_log(planar2_model, obstacles=[box], distance_reference=reference)
     arm = ArmGeometry(planar2_model)
     with Stage(log, planar2_model, Camera(width=8, height=6)) as stage:
         found = {cycle: stage.gaps(cycle) for cycle in range(0, log.cycles, 20)}
@@ -132,6 +126,32 @@ def test_gaps_are_the_true_distances(planar2_model: RobotModel, reference: str) 
     assert any(found.values())
 
 
+def test_modules_light_up_where_they_feel_something(iiwa7_model: RobotModel) -> None:
+    log = make_arm_log(iiwa7_model, 2)
+    log.tof_range[1, [3, 5]] = 0.29, 0.31  # d_a is 0.30 m
+    log.capacitive[1, 7] = True
+    with Stage(log, iiwa7_model, Camera(width=8, height=6)) as stage:
+        still, felt = stage.modules(0), stage.modules(1)
+    assert not still.near.any()
+    assert not still.closed.any()
+    assert np.flatnonzero(felt.near).tolist() == [3]
+    assert np.flatnonzero(felt.closed).tolist() == [7]
+    assert felt.position.shape == felt.normal.shape == (len(iiwa7_model.modules), 3)
+
+
+def test_a_short_sensor_that_sees_nothing_stays_dark(iiwa7_model: RobotModel) -> None:
+    modules = [
+        replace(module, tof=None if module.tof is None else module.tof.model_copy(update={"range": 0.2}))
+        for module in iiwa7_model.modules
+    ]
+    model = replace(iiwa7_model, modules=tuple(modules))
+    log = make_arm_log(model, 2)
+    log.tof_range[:] = 0.2
+    log.tof_range[1, 4] = 0.19
+    with Stage(log, model, Camera(width=8, height=6)) as stage:
+        assert [np.flatnonzero(stage.modules(cycle).near).tolist() for cycle in (0, 1)] == [[], [4]]
+
+
 def test_zones_by_distance() -> None:
     log = make_log()
     assert zone_of(log, 0.31) is None
@@ -141,7 +161,7 @@ def test_zones_by_distance() -> None:
 
 
 def test_the_camera_sees_arm_obstacles_and_targets(planar2_model: RobotModel) -> None:
-    log = planar_log(planar2_model)
+    log = make_arm_log(planar2_model)
     camera = fitting_camera(log, planar2_model, *SIZE)
     arm = ArmGeometry(planar2_model)
     ends = np.concatenate([np.concatenate(arm.axes(arm.poses(q))) for q in log.q[::20]])

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from made_up import ROD, make_comparison, make_log
+from made_up import ROD, make_arm_log, make_comparison, make_log
 from matplotlib.image import imread
 
 from proxgen.config.schema import Config
@@ -222,7 +222,7 @@ def test_figures_have_different_names(tmp_path: Path) -> None:
 def test_arm_is_drawn_and_rendered_where_the_configuration_is_known(
     tmp_path: Path, planar2_config: Config, planar2_model: RobotModel
 ) -> None:
-    log = make_log(joints=2, capsules=len(planar2_model.capsules), robot="planar2", cycles=120)
+    log = make_arm_log(planar2_model, 120)
     page = write_report(tmp_path, [log], config=planar2_config).read_text(encoding="utf-8")
     assert len(pictures(page)) == 7
     assert "The arm on one way between two targets" in page

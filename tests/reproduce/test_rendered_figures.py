@@ -5,14 +5,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made_up import BALL, make_log
+from made_up import BALL, make_arm_log, make_log
 from matplotlib.figure import Figure
 
 from proxgen.model import RobotModel
 from proxgen.report import style
 from proxgen.reproduce import figures
 from proxgen.reproduce.figures import rendered
-from proxgen.simulation.log import RolloutLog
 
 pytestmark = pytest.mark.usefixtures("small")
 
@@ -21,15 +20,6 @@ pytestmark = pytest.mark.usefixtures("small")
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """Small pictures are rendered soon."""
     monkeypatch.setattr(rendered, "_SIZE", (60, 50))
-
-
-def planar_log(model: RobotModel, **meta: Any) -> RolloutLog:
-    """A made-up run of the planar arm."""
-    log = make_log(joints=2, capsules=len(model.capsules), robot="planar2", **meta)
-    modules = len(model.tof_modules)
-    return replace(
-        log, tof_range=np.ones((log.cycles, modules)), capacitive=np.zeros((log.cycles, modules), bool)
-    )
 
 
 def titles(figure: Figure) -> list[str]:
@@ -43,7 +33,7 @@ def images(figure: Figure) -> list[Any]:
 
 
 def test_function_verification_begins_at_the_start_and_follows_one_way(planar2_model: RobotModel) -> None:
-    log = planar_log(planar2_model)
+    log = make_arm_log(planar2_model)
     with style.house_style():
         figure = figures.figure_06(proposed=[log, log], model=planar2_model)
     # The last complete way between targets is cycles 100 to 149.
@@ -60,7 +50,7 @@ def test_every_moving_obstacle_is_shown_as_it_comes_nearest(planar2_model: Robot
     # One comes down from the beginning for 1.5 s; the other one rests when the run begins, and comes at 2 s.
     early = BALL | {"name": "early_ball", "position": [0.4, 0.3, 0.7], "motion": motion}
     late = BALL | {"name": "late", "position": [0.4, -0.3, 0.7], "motion": motion | {"phase": 18.0}}
-    log = planar_log(planar2_model, obstacles=[late, early])
+    log = make_arm_log(planar2_model, obstacles=[late, early])
     log = replace(log, q=np.zeros_like(log.q))  # so that only the obstacles decide
     with style.house_style():
         found = titles(figures.figure_08(dynamic=log, model=planar2_model))
@@ -71,7 +61,7 @@ def test_every_moving_obstacle_is_shown_as_it_comes_nearest(planar2_model: Robot
 
 
 def test_without_a_moving_obstacle_the_nearest_moment_is_shown(planar2_model: RobotModel) -> None:
-    log = planar_log(planar2_model, obstacles=make_log().meta["obstacles"][:1])
+    log = make_arm_log(planar2_model, obstacles=make_log().meta["obstacles"][:1])
     nearest = log.time[log.true_axis_distance.min(axis=1).argmin()]
     with style.house_style():
         found = titles(figures.figure_08(dynamic=log, model=planar2_model))
@@ -79,7 +69,7 @@ def test_without_a_moving_obstacle_the_nearest_moment_is_shown(planar2_model: Ro
 
 
 def test_the_gap_shows_the_middle_of_a_way_or_where_a_method_is_stuck(planar2_model: RobotModel) -> None:
-    log = planar_log(planar2_model)
+    log = make_arm_log(planar2_model)
     stuck = replace(log, targets_reached=np.zeros_like(log.targets_reached))
     with style.house_style():
         figure = figures.figure_11(proposed=log, tangential=[log], repulsive=stuck, model=planar2_model)

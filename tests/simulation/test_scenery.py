@@ -1,4 +1,4 @@
-"""Scenes of the repository as an arm meets them, perturbations, and films of a run."""
+"""Scenes of the repository as an arm meets them, and perturbations."""
 
 import numpy as np
 import pinocchio as pin
