@@ -236,8 +236,10 @@ def test_a_reader_that_stops_early_is_no_failure() -> None:
 def test_an_output_that_cannot_be_written_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     Path("file").write_text("")
     words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "0.1"]
-    assert main([*words, "--json", "file/run.json"]) == 1
-    assert capsys.readouterr().err.startswith("proxgen: ")
+    assert main([*words, "--json", "file/run.json"]) == 2
+    told = capsys.readouterr()
+    assert told.err.startswith("proxgen run: argument --json: file is a file; a folder is needed\n")
+    assert told.out == ""  # said before the run
     assert [path.name for path in Path().iterdir()] == ["file"]
 
 
