@@ -46,11 +46,12 @@ def draw_sawtooth(
     """Distance to the present target; every drop to the tolerance is a target reached."""
     axes.plot(log.time, log.target_distance, color=colour)
     reached = np.flatnonzero(np.diff(log.targets_reached))
-    axes.plot(
+    (marks,) = axes.plot(
         log.time[reached], log.target_distance[reached], linestyle="none", marker="o", markersize=4.5,
         clip_on=False, zorder=3, color=colour, markerfacecolor=style.PAPER,
         label=f"reached: {int(log.targets_reached[-1])}",
     )  # fmt: skip
+    marks.set_in_layout(False)  # none at all would count as one in the corner of the figure
     if tolerance is not None:
         axes.axhline(tolerance, color=style.MUTED, linewidth=0.8, linestyle=(0, (4, 3)))
     axes.set_ylim(bottom=0.0)

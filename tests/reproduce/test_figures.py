@@ -112,6 +112,18 @@ def test_thresholds_are_those_of_the_log() -> None:
     assert levels == set(make_log().meta["thresholds"].values())
 
 
+def test_a_method_that_reaches_nothing_leaves_no_margin() -> None:
+    log = make_log()
+    stuck = replace(log, targets_reached=np.zeros_like(log.targets_reached))
+    lefts = []
+    for last in (log, stuck):
+        with style.house_style():
+            figure = figures.figure_13(proposed=log, tangential=log, repulsive=last)
+            figure.draw_without_rendering()
+        lefts.append(figure.axes[0].get_position().x0)
+    assert lefts[1] == pytest.approx(lefts[0], abs=1e-3)
+
+
 def test_mean_and_spread() -> None:
     assert mean_and_spread([8.0], 0) == "8"
     assert mean_and_spread([1.0, 2.0, 3.0], 1) == "2.0 ± 1.0"
