@@ -28,6 +28,8 @@ def derived_numbers(log: RolloutLog, config: Config) -> dict[str, Any]:
         escape_time_s: until the manipulability (14) is first at least w_0; the whole duration if never.
         mean_abs_dqdot_seen, mean_abs_dqdot_clear: change of the command per cycle while some link has an
             obstacle within d_a, and while none has [rad/s]; null if that never was.
+        mean_abs_dqdot_switching, mean_abs_dqdot_steady: the same in cycles in which an obstacle comes within
+            d_a of some link, or leaves it, as far as the arm knows, and in all others [rad/s].
         sudden_obstacles: how often an obstacle is first seen nearer than d_0u, though nothing was within d_a
             of that link in the cycle before.
         path_per_straight: length of the tool's path from the first target reached to the last one, in units
@@ -44,14 +46,17 @@ def derived_numbers(log: RolloutLog, config: Config) -> dict[str, Any]:
     distances = log.reference_distance()
     below = (distances < thresholds["d_r"]).mean(axis=0)
     capsules = log.meta["capsule_names"]
-    seen, clear = _changes(log, thresholds["d_a"])
+    change, known = np.abs(log.dqdot()).mean(axis=1), log.controller_distance <= thresholds["d_a"]
+    switching = np.diff(known, axis=0, prepend=False).any(axis=1)
     return {
         "time_below_d0l_fraction": float((distances < thresholds["d_0l"]).any(axis=1).mean()),
         "link_below_dr_fraction": dict(zip(capsules, below.tolist(), strict=True)),
         "start_manipulability": float(log.manipulability[0]),
         "escape_time_s": _escape_time(log, config.damping.threshold),
-        "mean_abs_dqdot_seen": seen,
-        "mean_abs_dqdot_clear": clear,
+        "mean_abs_dqdot_seen": _mean_of(change, known.any(axis=1)),
+        "mean_abs_dqdot_clear": _mean_of(change, ~known.any(axis=1)),
+        "mean_abs_dqdot_switching": _mean_of(change, switching),
+        "mean_abs_dqdot_steady": _mean_of(change, ~switching),
         "sudden_obstacles": _sudden(log.controller_distance, thresholds["d_a"], thresholds["d_0u"]),
         "path_per_straight": _path_per_straight(log),
         "deflection_m": _deflection(log),
@@ -62,14 +67,9 @@ def derived_numbers(log: RolloutLog, config: Config) -> dict[str, Any]:
     }
 
 
-def _changes(log: RolloutLog, near: float) -> tuple[float | None, float | None]:
-    """Mean change of the command per joint and cycle, with and without an obstacle that the arm knows of."""
-    change = np.abs(log.dqdot()).mean(axis=1)
-    seen = (log.controller_distance <= near).any(axis=1)
-    return (
-        float(change[seen].mean()) if seen.any() else None,
-        float(change[~seen].mean()) if not seen.all() else None,
-    )
+def _mean_of(values: Array, chosen: NDArray[np.bool_]) -> float | None:
+    """Mean of the chosen values; None if there is none."""
+    return float(values[chosen].mean()) if chosen.any() else None
 
 
 def _escape_time(log: RolloutLog, threshold: float) -> float:

@@ -27,7 +27,6 @@ from proxgen.reproduce.tables import (
     methods_targets,
     times_table,
 )
-from proxgen.reproduce.tasks import Libraries
 
 TITLE = "Collision Avoidance with Proximity Servoing for Redundant Serial Robot Manipulators"
 
@@ -70,12 +69,11 @@ class Outcome:
     page: Path
 
 
-def write_page(results: Results, libraries: Libraries, directory: Path, begin: float | None) -> Outcome:
+def write_page(results: Results, directory: Path, begin: float | None) -> Outcome:
     """Write `index.html`, its figures and `reproduce.json`.
 
     Args:
         results: of a plan that is done.
-        libraries: which controllers were compiled.
         directory: where to.
         begin: moment of `time.monotonic` at which everything began; None if it did not all happen now.
 
@@ -86,7 +84,7 @@ def write_page(results: Results, libraries: Libraries, directory: Path, begin: f
         SimulationError: a log cannot be read, or the folder not be written.
     """
     gallery = Gallery(directory)
-    parts = [*_paper_sections(results, gallery), *_own_sections(results, libraries)]
+    parts = [*_paper_sections(results, gallery), *_own_sections(results)]
     # Last, so that the time that figures take is part of what is judged.
     timed = replace(results, minutes=None if begin is None else (time.monotonic() - begin) / 60.0)
     paper, beyond = judge(PAPER, timed), judge(BEYOND, timed)
@@ -140,10 +138,8 @@ def _paper_sections(results: Results, gallery: Gallery) -> list[Section]:
     ]  # fmt: skip
 
 
-def _own_sections(results: Results, libraries: Libraries) -> list[Section]:
+def _own_sections(results: Results) -> list[Section]:
     """What proxgen adds, and how it is checked."""
-    built = [setup.name for setup, library in libraries.items() if library is None]
-    remarks = [f"{', '.join(built)}: run by the reference, as code is not generated yet"] if built else []
     return [
         _experiments(
             results, "improvements", "Improvements, true distances",
@@ -169,7 +165,8 @@ def _own_sections(results: Results, libraries: Libraries) -> list[Section]:
             "Greatest difference of the velocity, and whether everything else (matrices, statuses, "
             f"certificates) is within its tolerance too, over {results.plan.agreement_duration:g} s in the "
             "closed loop.",
-            agreement_table(results), SCENES, "Controller, sensing", remarks=remarks,
+            agreement_table(results), SCENES, "Controller, sensing",
+            remarks=[failure for one in results.agreements for failure in one["failures"]],
         ),
     ]  # fmt: skip
 

@@ -14,7 +14,7 @@ from proxgen.reproduce.pool import carry_out_all, cores
 from proxgen.reproduce.results import Results
 from proxgen.reproduce.rules import UNITS, mean_and_spread
 from proxgen.reproduce.store import Numbers, Store
-from proxgen.reproduce.tasks import Libraries, Task, build_libraries, tasks_of
+from proxgen.reproduce.tasks import Task, build_libraries, tasks_of
 from proxgen.reproduce.timing import Timing
 
 if TYPE_CHECKING:
@@ -77,7 +77,8 @@ def reproduce(
     begin = time.monotonic()
     tell, workers, store = say or (lambda line: None), workers or cores(), Store(directory / "runs")
     _make_folder(store.directory)
-    total = len(plan.setups) * _BUILD + sum(t.cost for t in tasks_of(plan, _none_built(plan))) + _REPORT
+    libraries = dict.fromkeys(plan.setups, builds)  # what follows only asks these tasks what they cost
+    total = len(plan.setups) * _BUILD + sum(task.cost for task in tasks_of(plan, libraries)) + _REPORT
     meter = Meter(total, progress)
     libraries = build_libraries(plan, builds, lambda done, all_of_them: meter.advance(_BUILD))
     tasks = tasks_of(plan, libraries)
@@ -101,7 +102,7 @@ def reproduce(
     carry_out_all([task for task in missing if task is not timing], store, workers, done)
     carry_out_all([task for task in missing if task is timing], store, 1, done)
     results = collect(plan, store, fingerprints)
-    outcome = write_page(results, libraries, directory, begin if len(missing) == len(everything) else None)
+    outcome = write_page(results, directory, begin if len(missing) == len(everything) else None)
     meter.advance(_REPORT)
     return outcome
 
@@ -152,11 +153,6 @@ class _Herald:
         nearest = [run["min_distance_axis_m"] for run in runs]
         least = np.min([np.inf if distance is None else distance for distance in nearest])
         return f"{experiment.name}: {targets} targets, least distance {least:.3f} m"
-
-
-def _none_built(plan: Plan) -> Libraries:
-    """As if there were no compiled controller, to estimate before they are built."""
-    return dict.fromkeys(plan.setups, None)
 
 
 def _make_folder(directory: Path) -> None:

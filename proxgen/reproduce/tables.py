@@ -41,9 +41,7 @@ def claims_table(verdicts: Sequence[Verdict]) -> list[ClaimRow]:
 
 def experiments_table(results: Results, names: Sequence[str]) -> list[Row]:
     """The numbers of some experiments over all starts, one column each."""
-    rows = [
-        Row("Controller", "controller", [_controller(results, name) for name in names], [None] * len(names))
-    ]
+    rows = []
     for title, key, statistic, wanted in _ROWS:
         unit, cells, good = UNITS[key], [], []
         for name in names:
@@ -74,7 +72,7 @@ def times_table(results: Results) -> list[Row]:
             ("max_us", "greatest"),
         ):
             found = [times[method][way] for method in times]
-            cells = ["–" if one is None else f"{one[key]:.2f} µs" for one in found]
+            cells = [f"{one[key]:.2f} µs" for one in found]
             rows.append(Row(f"{title}, {caller}", f"cycle_times.{way}.{key}", cells, []))
     return [Row(row.title, row.key, row.cells, [None] * len(row.cells)) for row in rows]
 
@@ -91,9 +89,8 @@ def agreement_table(results: Results) -> list[Row]:
                 for one in results.agreements
                 if (one["setup"], one["sensing"], one["scene"]) == (setup, sensing, scene)
             ]
-            compared = bool(found) and "max_abs_qdot_error" in found[0]
-            cells.append(f"{found[0]['max_abs_qdot_error']:.1e} rad/s" if compared else "not compared")
-            good.append(found[0]["verdict"] == "pass" if compared else None)
+            cells.append(f"{found[0]['max_abs_qdot_error']:.1e} rad/s" if found else "–")
+            good.append(found[0]["verdict"] == "pass" if found else None)
         rows.append(Row(f"{setup}, {sensing}", "max_abs_qdot_error", cells, good))
     return rows
 
@@ -120,8 +117,3 @@ def methods_targets(results: Results, scene: str) -> list[tuple[str, str]]:
         distances = [run["min_distance_axis_m"] for run in runs if run["min_distance_axis_m"] is not None]
         numbers.append((text, f"targets, {method}; least {millimetres(min(distances, default=None))}"))
     return numbers
-
-
-def _controller(results: Results, name: str) -> str:
-    """Which implementation ran."""
-    return ", ".join(dict.fromkeys(str(run["controller"]) for run in results.numbers[name]))

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from proxgen.builder.sources import digest, digest_files, generator_files, runtime_headers, runtime_units
 from proxgen.config import load
@@ -53,14 +53,14 @@ class Rollout:
     Attributes:
         experiment: what is run.
         configuration: YAML file.
-        library: folder of the compiled controller; None: the reference runs.
+        library: folder of the compiled controller.
         start: seed of the perturbation, and of noise.
         duration: [s].
     """
 
     experiment: Experiment
     configuration: Path
-    library: Path | None
+    library: Path
     start: int
     duration: float
 
@@ -72,14 +72,13 @@ class Rollout:
     @property
     def cost(self) -> float:
         """About how long it takes."""
-        slower = 1.0 if self.library else 3.0
-        return self.duration * (1.5 if self.experiment.plant == "dynamic" else 1.0) * slower
+        return self.duration * (1.5 if self.experiment.plant == "dynamic" else 1.0)
 
     def fingerprint(self) -> str:
         """Digest of everything that its result depends on."""
         what, config = self.experiment, self._config()
         scene = load_scene(what.scene, beside=self.configuration)
-        parts = [what.sensing, what.plant, self.library is None, self.start, self.duration]
+        parts = [what.sensing, what.plant, self.start, self.duration]
         return digest([sources(), config_hash(config), scene.model_dump(mode="json"), parts])
 
     def carry_out(self, store: Store) -> None:
@@ -96,7 +95,7 @@ class Rollout:
         plant = DynamicPlant(model) if what.plant == "dynamic" else None
         try:
             log = run(
-                config, model, open_controller(config, self.library), scene, sensing=what.sensing,
+                config, model, open_controller(self.library), scene, sensing=what.sensing,
                 duration=self.duration, seed=self.start, start_offset=offset, plant=plant,
             )  # fmt: skip
         finally:
@@ -119,13 +118,13 @@ class Comparing:
     Attributes:
         agreement: which controller, where.
         configuration: YAML file.
-        library: folder of the compiled controller; None: there is none, and nothing is compared.
+        library: folder of the compiled controller.
         duration: [s].
     """
 
     agreement: Agreement
     configuration: Path
-    library: Path | None
+    library: Path
     duration: float
 
     @property
@@ -142,29 +141,29 @@ class Comparing:
         """Digest of everything that its result depends on."""
         config = variant(self.configuration, self.agreement.setup.method)
         scene = load_scene(self.agreement.scene, beside=self.configuration)
-        parts = [self.agreement.sensing, self.library is None, self.duration]
+        parts = [self.agreement.sensing, self.duration]
         return digest([sources(), config_hash(config), scene.model_dump(mode="json"), parts])
 
     def carry_out(self, store: Store) -> None:
         """Compare, and keep the greatest differences and the verdict."""
-        numbers: dict[str, Any] = {"setup": self.agreement.setup.name, "sensing": self.agreement.sensing}
-        numbers |= {"scene": self.agreement.scene, "verdict": "no compiled controller", "failures": []}
-        if self.library is not None:
-            from proxgen.compare import compare
+        from proxgen.compare import compare
 
-            config = variant(self.configuration, self.agreement.setup.method)
-            comparison = compare(
-                config, [load_scene(self.agreement.scene, beside=self.configuration)],
-                sensing=self.agreement.sensing, duration=self.duration,
-                candidate=open_controller(config, self.library),
-            )  # fmt: skip
-            numbers |= comparison.to_json()["scenes"][0]
-            numbers |= {"verdict": comparison.verdict, "failures": list(comparison.failures[:5])}
-        store.save(self.name, self.fingerprint(), numbers)
+        what = self.agreement
+        comparison = compare(
+            variant(self.configuration, what.setup.method),
+            [load_scene(what.scene, beside=self.configuration)],
+            sensing=what.sensing,
+            duration=self.duration,
+            candidate=open_controller(self.library),
+        )
+        (numbers,) = comparison.to_json()["scenes"]
+        verdict = {"verdict": comparison.verdict, "failures": list(comparison.failures[:5])}
+        own = {"setup": what.setup.name, "sensing": what.sensing}
+        store.save(self.name, self.fingerprint(), own | numbers | verdict)
 
 
-Libraries = dict[Setup, Path | None]
-"""Folder of each setup's compiled controller; None where only the reference has it."""
+Libraries = dict[Setup, Path]
+"""Folder of each setup's compiled controller."""
 
 
 def tasks_of(plan: Plan, libraries: Libraries) -> list[Task]:
@@ -207,15 +206,11 @@ def build_libraries(
         ConfigError: a configuration that cannot be used.
     """
     from proxgen.builder import build
-    from proxgen.errors import GenerateError
 
     libraries: Libraries = {}
     for setup in plan.setups:
         config = variant(plan.configurations[setup.configuration], setup.method)
-        try:
-            libraries[setup] = build(config, folder / library_name(config)).library_dir
-        except GenerateError:  # an addition that only the reference has yet
-            libraries[setup] = None
+        libraries[setup] = build(config, folder / library_name(config)).library_dir
         if progress:
             progress(len(libraries), len(plan.setups))
     return libraries
@@ -227,13 +222,8 @@ def library_name(config: Config) -> str:
     return config.robot.name if method == "proposed" else f"{config.robot.name}-{method}"
 
 
-def open_controller(config: Config, library: Path | None) -> "Controller":
-    """The compiled controller in a folder, or the reference."""
-    if library is None:
-        from proxgen.controllers.reference import ReferenceController
-        from proxgen.model import build_model
-
-        return ReferenceController(config, build_model(config))
+def open_controller(library: Path) -> "Controller":
+    """The compiled controller in a folder."""
     from proxgen.controllers.compiled import CompiledController
 
     return CompiledController.load(library)

@@ -29,13 +29,13 @@ class Timing:
 
     Attributes:
         configuration: YAML file.
-        libraries: folder of the compiled controller by method; None: the reference is timed instead.
+        libraries: folder of the compiled controller by method.
         duration: of what is recorded [s].
         passes: how often it is replayed.
     """
 
     configuration: Path
-    libraries: dict[str, Path | None]
+    libraries: dict[str, Path]
     duration: float
     passes: int
 
@@ -52,8 +52,7 @@ class Timing:
     def fingerprint(self) -> str:
         """Digest of everything that its result depends on, but for the machine."""
         hashes = [config_hash(variant(self.configuration, method)) for method in self.libraries]
-        compiled = [library is not None for library in self.libraries.values()]
-        return digest([sources(), hashes, compiled, self.duration, self.passes])
+        return digest([sources(), hashes, self.duration, self.passes])
 
     def carry_out(self, store: Store) -> None:
         """Record, replay, keep the times: from Python, and, of compiled controllers, from C."""
@@ -63,7 +62,7 @@ class Timing:
         ready: dict[str, tuple[Controller, Inputs]] = {}
         for method, library in self.libraries.items():
             config = variant(self.configuration, method)
-            controller = open_controller(config, library)
+            controller = open_controller(library)
             scene = load_scene(SCENE, beside=self.configuration)
             ready[method] = (
                 controller,
@@ -76,9 +75,8 @@ class Timing:
         numbers: dict[str, Any] = {}
         for method, library in self.libraries.items():
             numbers[method] = {
-                "controller": "compiled" if library else "reference",
                 "python": _times(np.concatenate(from_python[method])),
-                "c": self._from_c(method, library, ready[method][1]) if library else None,
+                "c": self._from_c(method, library, ready[method][1]),
             }
         store.save(self.name, self.fingerprint(), numbers)
 
