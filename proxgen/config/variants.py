@@ -35,7 +35,9 @@ def override(config: Config, changes: Mapping[str, Any]) -> Config:
         *sections, key = path.split(".")
         target = data
         for section in sections:
-            target = target.setdefault(section, {})
+            if target.get(section) is None:
+                target[section] = {}
+            target = target[section]
         target[key] = value
     variant, problems = validate(data, Config, config.origin)
     if variant is None:

@@ -97,13 +97,10 @@ def agreement_table(results: Results) -> list[Row]:
 
 def headline(verdicts: Sequence[Verdict]) -> str:
     """How many claims hold, do not, and could not be judged."""
-    count = {word: sum(v.word == word for v in verdicts) for word in ("holds", "does not hold", "not judged")}
-    parts = [f"{count['holds']} of {len(verdicts)} hold"]
-    parts += [
-        f"{count[word]} {'do not' if word != 'not judged' else word}"
-        for word in list(count)[1:]
-        if count[word]
-    ]
+    words = [verdict.word for verdict in verdicts]
+    parts = [f"{words.count('holds')} of {len(words)} hold"]
+    others = {"does not hold": "do not", "not judged": "cannot be judged"}
+    parts += [f"{words.count(word)} {text}" for word, text in others.items() if word in words]
     return ", ".join(parts)
 
 
