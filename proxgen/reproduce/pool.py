@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
@@ -59,9 +60,10 @@ def _in_processes(
     """Hand the tasks to processes of their own; an interruption ends these at once."""
     context = multiprocessing.get_context("spawn")  # pybullet and Pinocchio do not survive a fork unharmed
     with _one_thread_each():
-        pool = ProcessPoolExecutor(workers, mp_context=context, initializer=_leave_interrupts_to_the_parent)
+        pool = ProcessPoolExecutor(workers, mp_context=context)
         try:
-            futures: dict[Future[None], Task] = {pool.submit(_carry_out, t, store): t for t in tasks}
+            with _deaf_to_interrupts():  # what is started now stays so
+                futures: dict[Future[None], Task] = {pool.submit(_carry_out, t, store): t for t in tasks}
             for future in as_completed(futures):
                 _note(futures[future], future.result, failures, done)
             pool.shutdown()
@@ -92,9 +94,17 @@ def _carry_out(task: Task, store: Store) -> None:
     task.carry_out(store)
 
 
-def _leave_interrupts_to_the_parent() -> None:
-    """Ctrl-C reaches every process of a terminal; the parent ends the others, without their tracebacks."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Ctrl-C reaches every process of a terminal; those that are started meanwhile leave it to the parent."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 @contextmanager

@@ -1,6 +1,6 @@
 """What came out: numbers of every experiment over its starts, and the logs behind them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -26,7 +26,7 @@ class Results:
 
     plan: Plan
     store: Store
-    numbers: dict[str, Sequence[Numbers]]
+    numbers: Mapping[str, Sequence[Numbers]]
     agreements: Sequence[Numbers]
     cycle_times: Numbers
     minutes: float | None = None

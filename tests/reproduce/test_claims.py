@@ -126,8 +126,8 @@ def test_statistics_are_over_all_runs_of_all_experiments(results: Results) -> No
         results.numbers[name][start]["deflection_m"] = 0.1 * value  # type: ignore[index]
     both = ("gap_proposed", "true_gap")
     expected = {"mean": 0.15, "least": 0.0, "greatest": 0.3, "sum": 0.6}
-    for statistic, value in expected.items():
-        assert Quantity(both, "deflection_m", statistic).value(results) == pytest.approx(value)
+    for statistic, wanted in expected.items():
+        assert Quantity(both, "deflection_m", statistic).value(results) == pytest.approx(wanted)
 
 
 def test_numbers_are_written_with_spread_and_unit(results: Results) -> None:
