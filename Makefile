@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo embed soak sanitize bench test lint golden golden-check images constraints clean
+.PHONY: help setup demo reproduce embed soak sanitize bench test lint golden golden-check images constraints clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -37,6 +37,9 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 
 demo: setup  ## the paper's gap: generate, compile, run, compare with the reference, report in out/demo
 	@$(BIN)/python examples/demo.py
+
+reproduce: setup  ## the paper's experiments, figures and claims, in out/reproduce: 25 minutes on two cores
+	@$(BIN)/proxgen reproduce
 
 embed: setup  ## recorded runs on emulated aarch64 and Cortex-M7: the same commands? instructions, sizes
 	@$(BIN)/python examples/embed/elsewhere/run.py

@@ -25,6 +25,8 @@ COMMANDS = [
 ]
 MAKE_TEST = "make test "
 """The test suite itself: what it runs is checked line by line, instead of starting it within itself."""
+REPRODUCE = "proxgen reproduce "
+"""Minutes: tests/reproduce/test_reproduce_verb.py runs the same words with a plan that takes seconds."""
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +50,7 @@ def check_measured_numbers(folder: Path) -> None:
 def test_the_commands_of_the_readme_are_seen() -> None:
     assert {block.language for block in BLOCKS} == {"math", "sh", "python", "yaml", "c"}
     assert sum(command.startswith(MAKE_TEST) for command in COMMANDS) == 1
+    assert sum(command.startswith(REPRODUCE) for command in COMMANDS) == 1
     assert len(COMMANDS) >= 9
 
 
@@ -56,7 +59,7 @@ def test_everything_in_the_readme_runs_in_order(clone: Path) -> None:
     said = []
     for block in BLOCKS:
         if block.language == "sh":
-            lines = [line for line in block.text.splitlines() if not line.startswith(MAKE_TEST)]
+            lines = [line for line in block.text.splitlines() if not line.startswith((MAKE_TEST, REPRODUCE))]
             said.append(shell("\n".join(lines), clone))
         elif block.language in {"python", "c"}:
             said.append(run_block(block, clone))
