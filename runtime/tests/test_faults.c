@@ -99,6 +99,7 @@ static void time_that_stands_or_runs_backwards(void) {
   CHECK_EQUAL(rig_step_now(&rig), PG_FAULT_TIME);
   rig.seen.time = time - 1.0;
   CHECK_EQUAL(rig_step_now(&rig), PG_FAULT_TIME);
+  rig.seen.time = time - 0.5;
   CHECK_EQUAL(rig_step_now(&rig), PG_FAULT_TIME); /* the old time still counts */
   rig.seen.time = time;
   CHECK_EQUAL(rig_step(&rig), PG_SOLVED);
@@ -159,15 +160,26 @@ static void the_first_fault_decides(void) {
   rig_close(&rig);
 }
 
+/* All range sensors, all switches, or both: their points count, 0.05 m and 0.13 m from the axes. */
 static void all_sensors_blocked(void) {
-  rig_t rig;
-  rig_open(&rig);
-  rig.xdot[1] = 0.2;
-  memset(rig.switches, 1, sizeof rig.switches);
-  memset(rig.ranges, 0, sizeof rig.ranges); /* the points lie on the sensors, 0.05 m from the axes */
-  for (int i = 0; i < 10; i++)
-    CHECK(rig_step(&rig) <= PG_STOPPED_INFEASIBLE);
-  rig_close(&rig);
+  for (int kinds = 1; kinds <= 3; kinds++) {
+    rig_t rig;
+    rig_open(&rig);
+    rig.xdot[1] = 0.2;
+    if (kinds & 1) memset(rig.ranges, 0, sizeof rig.ranges);
+    if (kinds & 2) memset(rig.switches, 1, sizeof rig.switches);
+    const int solved =
+        PG_RELAXATION_SLACK || kinds == 2; /* switches are as far: the first one's side counts */
+    for (int i = 0; i < 10; i++) {
+      const pg_status_t status = rig_step(&rig);
+      CHECK(solved ? status == PG_SOLVED : status > PG_SOLVED && status <= PG_STOPPED_INFEASIBLE);
+      double nearest = INFINITY;
+      for (int l = 0; l < PG_CAPSULES; l++)
+        nearest = fmin(nearest, rig.cycle->distance[l]);
+      CHECK(nearest <= (kinds & 1 ? 0.05 : 0.13) + 1e-9);
+    }
+    rig_close(&rig);
+  }
 }
 
 static void obstacles_on_both_sides(void) {
@@ -194,6 +206,10 @@ static void a_singular_configuration(void) {
   CHECK_NEAR(rig.cycle->manipulability, 0.0, 1e-12);
   CHECK_NEAR(rig.cycle->damping, 0.1, 1e-12);
   CHECK_NEAR(rig.qdot[0], 0.0, 1e-9);
+  rig.q[1] = 1e-3; /* nearly stretched: undamped, the joints would turn as fast as they may */
+  for (int i = 0; i < 10; i++)
+    CHECK_EQUAL(rig_step(&rig), PG_SOLVED);
+  CHECK(fabs(rig.qdot[0]) < 0.01 && fabs(rig.qdot[1]) < 0.01);
   rig_close(&rig);
 }
 
@@ -204,6 +220,10 @@ static void values_at_the_end_of_the_number_range(void) {
   rig_see(&rig, 1e-300, 1e200);
   rig.xdot[0] = -1e308, rig.xdot[1] = 1e308;
   CHECK(rig_step(&rig) <= PG_STOPPED_SOLVER);
+  for (int exponent = 0; exponent <= 308; exponent++) { /* a success is certified: the rig looks */
+    rig.xdot[0] = -pow(10.0, exponent), rig.xdot[1] = pow(10.0, 308 - exponent);
+    CHECK(rig_step(&rig) <= PG_STOPPED_SOLVER);
+  }
   rig.xdot[0] = rig.xdot[1] = 0.0;
   rig.seen.time = 1e300;
   CHECK_EQUAL(rig_step_now(&rig), PG_SOLVED);
