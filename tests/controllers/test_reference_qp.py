@@ -246,3 +246,21 @@ def test_row_shifts_are_not_dependent() -> None:
     assert (shifts >= 1e-9).all() and (shifts <= 2e-9).all()
     differences = np.abs(shifts[:, None] - shifts) + np.eye(40)
     assert differences.min() > 1e-12
+
+
+def pinned_by_two_rows(upper: float) -> QuadraticProgram:
+    """x_0 ≤ 0 and x_0 ≥ 1.5e-3 x_1 with x_1 ≥ `upper`: met by at most one point, and pushed hard."""
+    A = np.array([[3.5e-5, 0.0], [-0.13577, 2.03e-4]])
+    lb, ub = np.array([-0.4, upper]), np.array([0.4, 0.8])
+    return QuadraticProgram(np.eye(2), np.array([-100.0, 0.0]), A, np.zeros(2), lb, ub)
+
+
+def test_a_tie_that_cannot_be_certified_is_infeasible() -> None:
+    """Rows that exclude each other by 3e-10 m/s, less than the tolerance, with multipliers of 3e6."""
+    tie = pinned_by_two_rows(0.006)
+    _, least, most = feasibility_margin(tie.A, tie.b, tie.lb, tie.ub, 0.0)
+    assert 0.0 < least <= most < TOLERANCE
+    assert solve(tie, TOLERANCE).infeasible
+    point = solve(pinned_by_two_rows(0.0), TOLERANCE).solution
+    assert point is not None
+    np.testing.assert_allclose(point.x, 0.0, atol=1e-12)

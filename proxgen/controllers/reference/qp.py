@@ -9,7 +9,7 @@ time here: two capsules share an elbow, and the row (7) is a sum of rows (5). So
 * A solution is believed if it meets the KKT conditions. Before that, one linear solve on quadprog's active
   set removes the rounding errors that it has collected.
 * "Infeasible" is believed if `feasibility.feasibility_margin` proves it. Otherwise the QP is solved again
-  with its rows moved apart by 1e-9, which ends the dependence, and sharpened on the rows as they were.
+  with its rows moved apart by up to 1e-9, which ends the dependence, and sharpened on the rows as they were.
 * Variables with lb = ub are constants, and taken out first: quadprog takes their two bounds for a conflict.
 """
 
@@ -24,6 +24,10 @@ from proxgen.controllers.reference.feasibility import feasibility_margin, row_sh
 
 GOOD = 1e-11
 """A first answer with a greater KKT residual is given a second chance, even if it could be certified."""
+
+SHIFT_PARTS = (1.0, 1e-2, 1e-4)
+"""Parts of the row shifts that are tried until an answer is good: a row with a lever arm of 1e-6 m turns a shift
+of 1e-9 m/s into 1e-3 rad/s, which can change the active set."""
 
 FIXED = 1e-12
 """Bounds that are no further apart fix their variable."""
@@ -154,12 +158,21 @@ def _solve_free(program: QuadraticProgram, tolerance: float) -> Verdict:
     if least > tolerance:
         return Verdict(None, True, spent, second_chance=False)
     reachable = program.b if most > tolerance else np.maximum(program.b, program.A @ point)
-    apart = reachable + row_shifts(reachable.size)
-    relaxed = QuadraticProgram(program.H, program.g, program.A, apart, program.lb, program.ub)
-    second, more = _attempt(relaxed, program)
-    answers = [answer for answer in (first, second) if answer is not None and answer.residual <= tolerance]
+    answers = [] if first is None else [first]
+    for part in SHIFT_PARTS:
+        apart = reachable + part * row_shifts(reachable.size)
+        relaxed = QuadraticProgram(program.H, program.g, program.A, apart, program.lb, program.ub)
+        answer, more = _attempt(relaxed, program)
+        spent += more
+        if answer is not None:
+            answers.append(answer)
+            if answer.residual <= GOOD:
+                break
+    answers = [answer for answer in answers if answer.residual <= tolerance]
     best = min(answers, key=lambda answer: answer.residual, default=None)
-    return Verdict(best, False, spent + more, second_chance=True)
+    if best is None:  # rows that exclude each other, if only by less than the tolerance?
+        least = feasibility_margin(program.A, program.b, program.lb, program.ub, 0.0)[1]
+    return Verdict(best, best is None and least > 0.0, spent, second_chance=True)
 
 
 def _attempt(posed: QuadraticProgram, judged: QuadraticProgram) -> tuple[Solution | None, int]:
