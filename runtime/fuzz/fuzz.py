@@ -23,8 +23,8 @@ OUT = ROOT / "build" / "fuzz"
 TARGETS = [  # robot, back end, share of the time; the inside of qpOASES is not seen
     ("planar2/planar2.yaml", "daqp", 0.5),
     ("planar2/planar2.yaml", "qpoases", 0.2),
-    ("iiwa7/improved.yaml", "daqp", 0.2),
-    ("iiwa7/improved.yaml", "qpoases", 0.1),
+    ("iiwa7/iiwa7_improved.yaml", "daqp", 0.2),
+    ("iiwa7/iiwa7_improved.yaml", "qpoases", 0.1),
 ]
 OPTIONS = ["-g", "-fsanitize=fuzzer,address,undefined", "-fno-sanitize-recover=all"]
 LIMITS = ["-max_len=1000", "-timeout=10", "-rss_limit_mb=2000", "-print_final_stats=1"]

@@ -26,8 +26,8 @@ GOOD = 1e-11
 """A first answer with a greater KKT residual is given a second chance, even if it could be certified."""
 
 SHIFT_PARTS = (1.0, 1e-2, 1e-4)
-"""Parts of the row shifts that are tried until an answer is good: a row with a lever arm of 1e-6 m turns a shift
-of 1e-9 m/s into 1e-3 rad/s, which can change the active set."""
+"""Parts of the row shifts, tried until an answer is good: a row with a lever arm of 1e-6 m turns a shift of
+1e-9 m/s into 1e-3 rad/s, which can change the active set."""
 
 FIXED = 1e-12
 """Bounds that are no further apart fix their variable."""
