@@ -138,7 +138,7 @@ class Command:
 
 
 class Controller(Protocol):
-    """A reactive controller: stateful only in the previous velocity, the previous time and the warm start."""
+    """A reactive controller; with the state of docs/method.md between cycles."""
 
     @property
     def parameters(self) -> Mapping[str, float | Array]:
@@ -148,7 +148,7 @@ class Controller(Protocol):
         """Change parameters by name; refuses (ControllerError) a value out of range and then changes none."""
 
     def reset(self) -> None:
-        """Forget the previous velocity, the previous time and the warm start."""
+        """Forget the previous velocity, the previous time, the warm start, and what additions remember."""
 
     def step(self, q: Array, xdot: Array, measurement: Measurement) -> Command:
         """One control cycle: joint positions (n,), task velocity (m,) and a measurement to a velocity."""

@@ -6,6 +6,9 @@
 
 #include <math.h>
 
+/* More than rounding makes of any place near the arm. */
+#define ROUNDING 1e-6 /* [m] */
+
 /* 1 if the point is in the arm: at most a capsule's radius away from its axis. */
 static int in_arm(const pg_segment_t axes[PG_CAPSULES], const double point[3]) {
   for (int l = 0; l < PG_CAPSULES; l++) {
@@ -27,21 +30,26 @@ static int in_reach(const pg_segment_t axes[PG_CAPSULES], const double point[3],
 }
 
 /* Frees the slots that a range sensor sees through: nearer than its reading by more than the margin, and
- * close enough to its axis. */
+ * close enough to its axis. Nearly all are behind the sensor, or too far along its normal: that is told
+ * first, with room for rounding. */
 static void see_through(pg_controller_t *controller, int sensor, double reading) {
   const pg_sensor_t *place = &pg_model_tof[sensor];
   const double *pose = controller->kinematics.body_to_world[place->body];
   const double clear = reading - controller->parameters.memory_margin - PG_SAME_DISTANCE;
+  if (!(clear > 0.0)) return;
   double origin[3], normal[3];
   pg_transform(pose, place->position, origin);
   pg_turn(pose, place->normal, normal);
+  const double behind = pg_dot(origin, normal) - ROUNDING, beyond = behind + clear + 2.0 * ROUNDING;
   for (int k = 0; k < PG_MEMORY_CAPACITY; k++) {
     pg_slot_t *slot = &controller->memory[k];
     if (!slot->used) continue;
+    const double ahead = pg_dot(slot->point, normal);
+    if (ahead < behind || ahead > beyond) continue;
     const double v[3] = {slot->point[0] - origin[0], slot->point[1] - origin[1], slot->point[2] - origin[2]};
     const double squared = pg_dot(v, v);
-    if (!(clear > 0.0 && squared < clear * clear)) continue;
-    if (pg_dot(v, normal) >= pg_model_tof_see_through[sensor] * sqrt(squared) - PG_SAME_DISTANCE)
+    if (squared < clear * clear &&
+        pg_dot(v, normal) >= pg_model_tof_see_through[sensor] * sqrt(squared) - PG_SAME_DISTANCE)
       slot->used = 0;
   }
 }

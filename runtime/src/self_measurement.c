@@ -5,26 +5,38 @@
 
 #include <math.h>
 
-/* 1 if the point is in a capsule of another body than the sensor's, thickened by the margin. */
-static int in_another_body(const pg_segment_t axes[PG_CAPSULES], int body, const double point[3],
-                           double margin) {
-  for (int l = 0; l < PG_CAPSULES; l++) {
-    double d[3], t;
-    if (pg_model_capsules[l].body == body) continue;
-    const double reach = pg_model_capsules[l].radius + margin + PG_SAME_DISTANCE;
-    if (pg_from_segment(&axes[l], point, d, &t) <= reach * reach) return 1;
+/* More than rounding makes of any place near the arm. */
+#define ROUNDING 1e-6 /* [m] */
+
+/* 1 if one of the four places around the middle of what a sensor sees is in a capsule. */
+static int beside_the_middle(const pg_segment_t *axis, const double *pose, int sensor, double reading,
+                             double reach) {
+  for (int ray = 1; ray < 5; ray++) {
+    double place[3], d[3], t;
+    pg_look(pose, pg_model_tof[sensor].position, pg_model_tof_rays[sensor][ray], reading, place);
+    if (pg_from_segment(axis, place, d, &t) <= reach * reach) return 1;
   }
   return 0;
 }
 
+/* The four places are equally far from the middle: a capsule that is further away holds none of them. */
 int pg_range_shows_arm(const pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES], int sensor,
                        double reading) {
   const pg_sensor_t *place = &pg_model_tof[sensor];
   const double *pose = controller->kinematics.body_to_world[place->body];
-  for (int ray = 0; ray < 5; ray++) {
-    double point[3];
-    pg_look(pose, place->position, pg_model_tof_rays[sensor][ray], reading, point);
-    if (in_another_body(axes, place->body, point, controller->parameters.self_measurement_margin)) return 1;
+  const double (*rays)[3] = pg_model_tof_rays[sensor];
+  const double aside[3] = {rays[1][0] - rays[0][0], rays[1][1] - rays[0][1], rays[1][2] - rays[0][2]};
+  const double around = reading * sqrt(pg_dot(aside, aside)) + ROUNDING;
+  double middle[3];
+  pg_look(pose, place->position, rays[0], reading, middle);
+  for (int l = 0; l < PG_CAPSULES; l++) {
+    double d[3], t;
+    if (pg_model_capsules[l].body == place->body) continue;
+    const double squared = pg_from_segment(&axes[l], middle, d, &t);
+    const double reach =
+        pg_model_capsules[l].radius + controller->parameters.self_measurement_margin + PG_SAME_DISTANCE;
+    if (squared > (reach + around) * (reach + around)) continue;
+    if (squared <= reach * reach || beside_the_middle(&axes[l], pose, sensor, reading, reach)) return 1;
   }
   return 0;
 }

@@ -56,7 +56,7 @@ def check(config: Config, model: RobotModel, folder: Path, backend: str, count: 
     """Both agree in everything that `proxgen compare` looks at, and the additions had something to do."""
     compiled = CompiledController.load(build(config, folder / "built", backend=backend).library_dir)
     reference = Watched(ReferenceController(config, model))
-    states = random_states(config, model, count, seed=61)
+    states = random_states(config, model, count, seed=63)
     result = compare_controllers_on(config, states, compiled, reference)  # type: ignore[arg-type]
     assert result.verdict == "pass", "\n".join(result.failures)
     seen = [command.diagnostics for command in reference.commands]

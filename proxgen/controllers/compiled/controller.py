@@ -120,7 +120,7 @@ class CompiledController:
             self._call("set_parameters", block)
 
     def reset(self) -> None:
-        """Forget the previous velocity, the previous time and the warm start."""
+        """Forget the previous velocity, the previous time, the warm start, and what additions remember."""
         with self._lock:
             self._call("reset")
 
