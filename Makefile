@@ -3,7 +3,7 @@
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
 .DEFAULT_GOAL := help
-.PHONY: help setup demo reproduce embed soak sanitize bench test lint golden golden-check images constraints clean
+.PHONY: help setup demo reproduce embed soak sanitize bench measure test lint golden golden-check images constraints clean
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -55,6 +55,9 @@ sanitize: setup  ## the runtime with clang: warnings, analyser, sanitizers; half
 bench: setup  ## cycle times of both back ends on this machine, in out/bench.json and out/bench.png
 	@mkdir -p out
 	@$(BIN)/proxgen bench --json out/bench.json --plot out/bench.png
+
+measure: setup  ## measure anew what README and docs/performance.md show; on a machine with nothing else to do
+	@$(BIN)/python docs/measured/measure.py
 
 test: lint golden-check  ## everything: lint, committed generated code, all tests
 	@$(BIN)/python -m pytest -n 2

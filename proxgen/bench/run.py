@@ -3,7 +3,7 @@
 import tempfile
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +16,8 @@ from proxgen.bench.timing import timing_row
 from proxgen.config.scene import Scene
 from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
-from proxgen.model import build_model
+from proxgen.errors import GenerateError
+from proxgen.model import RobotModel, build_model
 
 BACKENDS = ("daqp", "qpoases")
 
@@ -47,6 +48,7 @@ def run_benchmark(
     config: Config,
     scenes: Sequence[Scene],
     *,
+    also: Sequence[Config] = (),
     duration: float = 60.0,
     replays: int = 5,
     progress: Progress | None = None,
@@ -56,6 +58,7 @@ def run_benchmark(
     Args:
         config: of the robot.
         scenes: whose closed loops are recorded, with the skin as the sensor.
+        also: other configurations of this robot, which get the same inputs over DAQP.
         duration: of each of them [s].
         replays: how often each is replayed.
         progress: called after each step of the work.
@@ -65,10 +68,15 @@ def run_benchmark(
 
     Raises:
         BuildError: compiler or solver missing.
+        GenerateError: one of `also` has other joints or sensors.
         SimulationError: a scene does not fit the arm.
     """
-    model, rows, kept = build_model(config), [], []
-    steps, done = 1 + len(scenes) + len(BACKENDS) * (len(scenes) + 1), 0
+    model = build_model(config)
+    rows: list[dict[str, Any]] = []
+    kept: list[Replay] = []
+    for other in also:
+        _check_same_inputs(model, other)
+    steps, done = 1 + len(scenes) + (len(BACKENDS) + len(also)) * (len(scenes) + 1), 0
 
     def advance() -> None:
         nonlocal done
@@ -78,27 +86,61 @@ def run_benchmark(
 
     with tempfile.TemporaryDirectory(prefix="proxgen-bench-") as name:
         work = Path(name)
-        programs = {}
-        for backend in BACKENDS:
-            (work / backend).mkdir()
-            programs[backend] = compile_replay(config, backend, work / backend)
-        controllers = {key: CompiledController.load(work / key / "controller") for key in BACKENDS}
+        subjects = [
+            _Subject(config, "", BACKENDS[0], work / "0"),
+            *(
+                _Subject(other, f", {other.robot.name}", BACKENDS[0], work / other.robot.name)
+                for other in also
+            ),
+            _Subject(config, "", BACKENDS[1], work / "1"),
+        ]
+        controller = subjects[0].controller
         advance()
         recorded = []
         for scene in scenes:
-            recorded.append(record(config, model, controllers[BACKENDS[0]], scene, duration))
+            recorded.append(record(config, model, controller, scene, duration))
             advance()
         recorded.append(crowded(recorded[0], model, config.skin.max_points))
-        for backend in BACKENDS:
+        for subject in subjects:
             for inputs in recorded:
-                measured = replay(programs[backend], inputs, backend, work / backend, replays)
-                symbol = f"{config.robot.name}_step"
-                count = instructions_per_cycle(programs[backend], inputs, symbol, work / backend)
-                rows += _rows(measured, count)
-                rows.append(_python_row(controllers[backend], inputs, backend))
+                measured, found = subject.measure(inputs, replays)
+                rows += found
                 kept.append(measured)
                 advance()
     return Benchmark(describe_machine(model), tuple(rows), tuple(kept))
+
+
+class _Subject:
+    """A configuration with a back end, compiled for replays and for Python."""
+
+    def __init__(self, config: Config, label: str, backend: str, folder: Path) -> None:
+        """Compile both; `label` follows the names of the recordings."""
+        folder.mkdir()
+        self._label, self._backend, self._folder = label, backend, folder
+        self._symbol = f"{config.robot.name}_step"
+        self._program = compile_replay(config, backend, folder)
+        self.controller = CompiledController.load(folder / "controller")
+
+    def measure(self, inputs: Inputs, replays: int) -> tuple[Replay, list[dict[str, Any]]]:
+        """Replay one recording from C, under callgrind, and from Python."""
+        named = replace(inputs, name=inputs.name + self._label)
+        measured = replay(self._program, named, self._backend, self._folder, replays)
+        count = instructions_per_cycle(self._program, named, self._symbol, self._folder)
+        rows = [*_rows(measured, count), _python_row(self.controller, named, self._backend)]
+        return measured, rows
+
+
+def _check_same_inputs(model: RobotModel, other: Config) -> None:
+    """Refuse a configuration whose controller takes other inputs than those that are recorded."""
+    theirs = build_model(other)
+    for what, one, two in (
+        ("joints", model.joint_names, theirs.joint_names),
+        ("task rows", model.task_rows, theirs.task_rows),
+        ("range sensors", len(model.tof_modules), len(theirs.tof_modules)),
+        ("switches", len(model.capacitive_modules), len(theirs.capacitive_modules)),
+    ):
+        if one != two:
+            raise GenerateError(f"{other.robot.name} has other {what} than the inputs are recorded for")
 
 
 def _rows(measured: Replay, instructions: float | None) -> list[dict[str, Any]]:

@@ -29,7 +29,7 @@ def add_verbs(verbs: Any) -> None:
         metavar="CONFIG",
         type=Path,
         nargs="?",
-        default=examples_directory() / "iiwa7" / "iiwa7.yaml",
+        default=_example("iiwa7.yaml"),
         help="the robot's YAML file (default: examples/iiwa7/iiwa7.yaml)",
     )
     bench.add_argument(
@@ -37,6 +37,14 @@ def add_verbs(verbs: Any) -> None:
         action="append",
         metavar="NAME|FILE",
         help=f"may be given several times (default: {', '.join(SCENES)})",
+    )
+    bench.add_argument(
+        "--also",
+        action="append",
+        metavar="CONFIG",
+        type=Path,
+        help="another configuration of the same robot, timed on the same inputs: what additions cost "
+        "(default: with the default CONFIG, examples/iiwa7/iiwa7_improved.yaml)",
     )
     bench.add_argument(
         "--duration", type=seconds, default=60.0, metavar="S", help="simulated time per scene (default: 60)"
@@ -60,6 +68,11 @@ def add_verbs(verbs: Any) -> None:
     bench.set_defaults(carry_out=carry_out_bench)
 
 
+def _example(name: str) -> Path:
+    """A file of the iiwa 7."""
+    return examples_directory() / "iiwa7" / name
+
+
 def carry_out_bench(arguments: argparse.Namespace) -> int:
     """Measure, print a table, write what was asked for."""
     if arguments.scaling:
@@ -68,19 +81,27 @@ def carry_out_bench(arguments: argparse.Namespace) -> int:
     from proxgen.config.scene import load_scene
 
     config = load(arguments.config)
+    improved = [_example("iiwa7_improved.yaml")] if arguments.config == _example("iiwa7.yaml") else []
     scenes = [load_scene(name, beside=arguments.config) for name in arguments.scene or SCENES]
     if arguments.peers:
         return _bench_peers(arguments, config, scenes)
-    return _bench_controller(arguments, config, scenes)
+    return _bench_controller(arguments, config, scenes, [load(path) for path in arguments.also or improved])
 
 
-def _bench_controller(arguments: argparse.Namespace, config: "Config", scenes: "list[Scene]") -> int:
+def _bench_controller(
+    arguments: argparse.Namespace, config: "Config", scenes: "list[Scene]", also: "list[Config]"
+) -> int:
     """The compiled controller alone, stage by stage."""
     from proxgen.bench import run_benchmark
 
     with progress_bar(f"{config.robot.name}: record and replay") as progress:
         benchmark = run_benchmark(
-            config, scenes, duration=arguments.duration, replays=arguments.replays, progress=progress
+            config,
+            scenes,
+            also=also,
+            duration=arguments.duration,
+            replays=arguments.replays,
+            progress=progress,
         )
     print(_table(benchmark))
     _print_machine(benchmark.machine)

@@ -1,6 +1,7 @@
 """What the benchmark records, replays and counts; never how long it took."""
 
 import json
+import shutil
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,16 +11,19 @@ import numpy as np
 import pytest
 
 from proxgen.bench import Benchmark, run_benchmark
-from proxgen.bench.inputs import crowded, record
+from proxgen.bench.inputs import Inputs, crowded, record
 from proxgen.bench.plot import draw_times
-from proxgen.bench.replay import STAGES, compile_replay, replay
+from proxgen.bench.replay import STAGES, compile_replay, instructions_per_cycle, replay
 from proxgen.cli import main
+from proxgen.config import load
 from proxgen.config.scene import load_scene
 from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
 from proxgen.controllers.protocol import Status
+from proxgen.errors import GenerateError
 from proxgen.model import RobotModel, build_model
 
+ROOT = Path(__file__).resolve().parents[2]
 KEYS = {"name", "backend", "p50_us", "p99_us", "p999_us", "max_us", "cycles_per_s"}
 
 
@@ -101,8 +105,7 @@ def test_crowding_changes_every_fourth_cycle(iiwa7_config: Config, iiwa7_model: 
 def test_command_prints_a_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    root = Path(__file__).resolve().parent.parent.parent
-    monkeypatch.chdir(root)
+    monkeypatch.chdir(ROOT)
     target = tmp_path / "bench.json"
     words = ["bench", "examples/planar2/planar2.yaml", "--scene", "post", "--duration", "2", "--replays", "1"]
     assert main([*words, "--json", str(target), "--plot", str(tmp_path / "times.png")]) == 0
@@ -111,3 +114,40 @@ def test_command_prints_a_table(
     assert "processor:" in printed
     assert json.loads(target.read_text())["machine"]["robot"].startswith("planar2: 2 joints")
     assert (tmp_path / "times.png").exists()
+
+
+def test_another_configuration_gets_the_same_inputs(iiwa7_config: Config) -> None:
+    """What additions cost: replayed over DAQP on the cycles that were recorded for the first."""
+    improved = load(ROOT / "examples" / "iiwa7" / "iiwa7_improved.yaml")
+    benchmark = run_benchmark(iiwa7_config, [load_scene("gap")], also=[improved], duration=1.0, replays=1)
+    rows = {
+        (row["name"], row["backend"]): row
+        for row in benchmark.results
+        if row["name"].endswith(": cycle, raw")
+    }
+    assert [name for name, backend in rows if backend == "daqp"] == [
+        "gap: cycle, raw",
+        "gap crowded: cycle, raw",
+        "gap, iiwa7_improved: cycle, raw",
+        "gap crowded, iiwa7_improved: cycle, raw",
+    ]
+    assert rows["gap, iiwa7_improved: cycle, raw", "daqp"]["heap_allocations_per_cycle"] == 0.0
+    plain, better = (
+        rows[name, "daqp"]["instructions_per_cycle"]
+        for name in ("gap: cycle, raw", "gap, iiwa7_improved: cycle, raw")
+    )
+    assert (plain is None) == (shutil.which("valgrind") is None)
+    assert plain is None or 0.0 < plain < better
+
+
+def test_another_robot_is_refused(iiwa7_config: Config, planar2_config: Config) -> None:
+    with pytest.raises(GenerateError, match="planar2 has other joints"):
+        run_benchmark(iiwa7_config, [load_scene("gap")], also=[planar2_config], duration=1.0)
+
+
+def test_without_valgrind_instructions_are_left_out(
+    planar2_config: Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("proxgen.bench.replay.shutil.which", lambda name: None)
+    empty = Inputs("none", np.empty((0, 2)), np.empty((0, 2)), ())
+    assert instructions_per_cycle(Path("program"), empty, "step", Path()) is None

@@ -38,12 +38,14 @@ REFERENCE = Peer(
 
 _PINK = Peer(
     name="pink",
-    title="Pink, a position barrier per link",
+    title="Pink, a barrier per link, made once",
     module="with_pink",
     requirements=("pin-pink==4.4.0", "pin==4.1.0", "quadprog==0.1.14", "numpy==2.4.6"),
     shown=("pin-pink", "pin", "quadprog", "numpy"),
+    settings={"made_once": True},
     not_alike=(
         "alike: a row per link in every cycle; where nothing is within influence, its barrier is 10 m away",
+        "its barriers are made once, as in its own examples, and moved to the nearest obstacle",
         "gets the nearest obstacle point of each capsule for nothing; proxgen finds it among its sensors",
         "its barrier keeps one coordinate of one frame (the capsule's end) in front of the obstacle, "
         "where proxgen limits the approach of the nearest point along the shortest line",
@@ -55,11 +57,20 @@ CONTROLLERS = (
     _PINK,
     replace(
         _PINK,
+        title="Pink, a barrier per link, made anew",
+        settings={},
+        not_alike=(
+            "as above, but its barriers are made in every cycle: it then compares q with that of the last "
+            "cycle once less per barrier",
+        ),
+    ),
+    replace(
+        _PINK,
         title="Pink, barriers of near links alone",
         settings={"only_near": True},
         not_alike=(
-            "as above, but links that have no obstacle within influence get no barrier, where proxgen keeps "
-            "their rows: the least work that Pink can be given",
+            "as the last, but links that have no obstacle within influence get no barrier, where proxgen "
+            "keeps their rows: the least work that Pink can be given",
         ),
     ),
     Peer(

@@ -1,8 +1,8 @@
 """Pink: a position task, one position barrier per capsule in every cycle, joint limits.
 
-Barriers are made anew in each cycle. Pink's own examples make them once, for walls that stand still: it keeps
-what a barrier gave as long as q is nearly the same, so that a wall that has been moved would go unnoticed. To
-make them anew is faster, too, by two comparisons with the q that is kept.
+Pink's own examples make their barriers once. It keeps what a barrier gave as long as q is nearly the same,
+and compares twice per barrier and cycle; barriers that are made anew need one of these comparisons less, and
+cannot miss a wall that has moved. So both ways are measured.
 """
 
 from collections.abc import Callable
@@ -24,7 +24,8 @@ _ALIGNED = {(1, 0, 0): "X", (0, 1, 0): "Y", (0, 0, 1): "Z"}
 def open_solver(arm: dict[str, Any]) -> Callable[..., Any]:
     """A function from q, xdot, nearest obstacle points and the task point's next place to q̇.
 
-    With `only_near` in `arm`, capsules that have no obstacle within influence get no barrier.
+    With `made_once` in `arm`, barriers are kept and their walls moved; with `only_near`, capsules that have
+    no obstacle within influence get none.
     """
     model = _pinocchio_model(arm)
     configuration = Configuration(model, model.createData(), pin.neutral(model))
@@ -33,6 +34,7 @@ def open_solver(arm: dict[str, Any]) -> Callable[..., Any]:
     limits = (ConfigurationLimit(model), VelocityLimit(model))
     period, speed = arm["period"], arm["approach_speed"]
     gain = speed / (arm["d_a"] - arm["d_0u"])
+    kept: dict[str, PositionBarrier] = {}
 
     def solve(q: Any, xdot: Any, points: Any, target: Any) -> Any:
         configuration.update(q)
@@ -50,8 +52,15 @@ def open_solver(arm: dict[str, Any]) -> Callable[..., Any]:
                 continue
             else:
                 axis, side, bound = 0, 1.0, np.array([FAR])
-            wall = {"p_max": bound} if side > 0.0 else {"p_min": bound}
-            barriers.append(PositionBarrier(frame, indices=[axis], gain=gain, **wall))
+            low, high = (None, bound) if side > 0.0 else (bound, None)
+            barrier = kept.get(frame)
+            if barrier is None:
+                barrier = PositionBarrier(frame, indices=[axis], p_min=low, p_max=high, gain=gain)
+            else:
+                barrier.indices, barrier.p_min, barrier.p_max = [axis], low, high
+            if arm.get("made_once"):
+                kept[frame] = barrier
+            barriers.append(barrier)
         return solve_ik(
             configuration,
             [task],
