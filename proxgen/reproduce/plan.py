@@ -3,7 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-IIWA7 = Path(__file__).parents[2] / "examples" / "iiwa7"
+from proxgen.config.examples import examples_directory
+
+IIWA7 = examples_directory() / "iiwa7"
 
 CONFIGURATIONS = {
     "paper": IIWA7 / "iiwa7.yaml",

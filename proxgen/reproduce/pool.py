@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -59,7 +60,7 @@ def _in_processes(
 ) -> None:
     """Hand the tasks to processes of their own; an interruption ends these at once."""
     context = multiprocessing.get_context("spawn")  # pybullet and Pinocchio do not survive a fork unharmed
-    with _one_thread_each():
+    with _one_thread_each(), _ended_by_exceptions():
         pool = ProcessPoolExecutor(workers, mp_context=context)
         try:
             with _deaf_to_interrupts():  # what is started now stays so
@@ -92,6 +93,19 @@ def _note(
 def _carry_out(task: Task, store: Store) -> None:
     """In a process of the pool."""
     task.carry_out(store)
+
+
+@contextmanager
+def _ended_by_exceptions() -> Iterator[None]:
+    """SIGTERM ends the program as an exception does: with all processes that it has started."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @contextmanager

@@ -45,13 +45,15 @@ def test_a_process_that_dies_is_a_clear_error(store: Store) -> None:
     assert store.find("good", "1") == {"number": 1}
 
 
-def test_an_interruption_ends_all_processes_and_keeps_what_is_finished(tmp_path: Path) -> None:
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_ends_all_processes_and_keeps_what_is_finished(
+    ending: signal.Signals, tmp_path: Path
+) -> None:
     program = [sys.executable, made_up_tasks.__file__, str(tmp_path)]
     paths = os.pathsep.join([str(Path(__file__).parents[2]), str(Path(made_up_tasks.__file__).parent)])
-    environment = os.environ | {"PYTHONPATH": paths}
     process = subprocess.Popen(
         program,
-        env=environment,
+        env=os.environ | {"PYTHONPATH": paths},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -59,10 +61,13 @@ def test_an_interruption_ends_all_processes_and_keeps_what_is_finished(tmp_path:
     )
     assert process.stdout is not None
     assert process.stdout.readline() == "first\n"
-    os.killpg(process.pid, signal.SIGINT)  # as a terminal does: to every process
-    said = process.communicate(timeout=30)[1]
+    if ending is signal.SIGINT:
+        os.killpg(process.pid, ending)  # as a terminal does: to every process
+    else:
+        process.send_signal(ending)
+    said = process.communicate(timeout=60)[1]
     assert process.returncode != 0
-    assert said.count("KeyboardInterrupt") == 1  # the parent's alone
+    assert said.count("KeyboardInterrupt") == (ending is signal.SIGINT)  # the parent's alone
     _wait_until_gone(process.pid)
     assert [path.name for path in tmp_path.iterdir()] == ["first.json"]
 
