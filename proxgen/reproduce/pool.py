@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import signal
-import sys
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
@@ -60,7 +59,7 @@ def _in_processes(
 ) -> None:
     """Hand the tasks to processes of their own; an interruption ends these at once."""
     context = multiprocessing.get_context("spawn")  # pybullet and Pinocchio do not survive a fork unharmed
-    with _one_thread_each(), _ended_by_exceptions():
+    with _one_thread_each(), _interrupted_by_sigterm():
         pool = ProcessPoolExecutor(workers, mp_context=context)
         try:
             with _deaf_to_interrupts():  # what is started now stays so
@@ -96,12 +95,12 @@ def _carry_out(task: Task, store: Store) -> None:
 
 
 @contextmanager
-def _ended_by_exceptions() -> Iterator[None]:
-    """SIGTERM ends the program as an exception does: with all processes that it has started."""
+def _interrupted_by_sigterm() -> Iterator[None]:
+    """SIGTERM is an interruption like Ctrl-C: it ends all processes that were started, too."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         yield
     finally:

@@ -67,7 +67,7 @@ def test_an_interruption_ends_all_processes_and_keeps_what_is_finished(
         process.send_signal(ending)
     said = process.communicate(timeout=60)[1]
     assert process.returncode != 0
-    assert said.count("KeyboardInterrupt") == (ending is signal.SIGINT)  # the parent's alone
+    assert said.count("KeyboardInterrupt") == 1  # the parent's alone
     _wait_until_gone(process.pid)
     assert [path.name for path in tmp_path.iterdir()] == ["first.json"]
 
