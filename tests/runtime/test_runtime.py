@@ -22,6 +22,7 @@ SELF_MEASUREMENT = ("self_measurement",)
 MEMORY = ("memory",)
 CIRCULATION = ("circulation",)
 WITHOUT_METHODS = (*SELF_MEASUREMENT, *MEMORY, *CIRCULATION, *SELF_COLLISION)
+REPULSIVE, TANGENTIAL = ("repulsive",), ("tangential",)
 
 CASES = [
     ("test_faults.c", ()),
@@ -52,6 +53,11 @@ CASES_OF_ADDITIONS = [
     ("test_circulation.c", (), CIRCULATION),
     ("test_faults.c", (), (*SELF_MEASUREMENT, *MEMORY, *CIRCULATION)),
     ("test_life.c", (), WITHOUT_METHODS),
+    ("test_baselines.c", (), REPULSIVE),
+    ("test_baselines.c", (DAMPER,), REPULSIVE),
+    ("test_baselines.c", (), TANGENTIAL),
+    ("test_baselines.c", (DAMPER,), TANGENTIAL),
+    ("test_life.c", (), TANGENTIAL),
 ]
 
 
@@ -117,15 +123,27 @@ def records(program: Path, folder: Path, *options: str) -> np.ndarray:
 def test_random_cycles_agree(
     mode: tuple[str, ...], options: tuple[str, ...], kit: Kit, tmp_path: Path
 ) -> None:
+    check_that_back_ends_agree(kit, tmp_path, mode, (), options)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("additions", [SELF_COLLISION, REPULSIVE, TANGENTIAL], ids="".join)
+def test_random_cycles_with_other_rows_agree(additions: tuple[str, ...], kit: Kit, tmp_path: Path) -> None:
+    """Pairs of rows against each other, and rows that one joint alone can serve."""
+    check_that_back_ends_agree(kit, tmp_path, (), additions, ())
+
+
+def check_that_back_ends_agree(
+    kit: Kit, tmp_path: Path, mode: tuple[str, ...], additions: tuple[str, ...], options: tuple[str, ...]
+) -> None:
     source = TESTS / "random_cycles.c"
-    first, second = (kit.program(source, Variant(backend, mode)) for backend in BACKENDS)
+    first, second = (kit.program(source, Variant(backend, mode, additions=additions)) for backend in BACKENDS)
     daqp = records(first, tmp_path, *options)
     (tmp_path / "cycles").rename(tmp_path / "daqp")
     qpoases = records(second, tmp_path, *options, "--follow", str(tmp_path / "daqp"))
     assert np.array_equal(daqp[:, 0], qpoases[:, 0]), "statuses differ"
-    assert set(np.unique(daqp[:, 0])) >= (
-        {0, 16, 17, 18, 20, 22} if mode else {0, 1, 2, 3, 4, 8, 16, 17, 18, 20, 22}
-    )
+    stages = {0} if mode else {0, 1, 2, 3, 8} if additions in (REPULSIVE, TANGENTIAL) else {0, 1, 2, 3, 4, 8}
+    assert set(np.unique(daqp[:, 0])) >= stages | {16, 17, 18, 20, 22}
     difference = np.abs(daqp[:, 2:] - qpoases[:, 2:]).max(axis=1)
     # A touching obstacle may leave a joint to a row with a lever arm of 1e-6 m, so 1e-8 m/s is much.
     assert np.count_nonzero(difference > 1e-8) <= 2

@@ -60,6 +60,9 @@ const planar_parameters_t planar_default_parameters = {
     .circulation_blend_time = 0.1,
     .circulation_bias_z = 0.5,
 #endif
+#if PLANAR_TANGENTIAL
+    .tangential_speed = 0.1,
+#endif
 };
 
 #define LEAST 1e-9 /* the least of what has to be positive */
@@ -157,6 +160,9 @@ const planar_parameters_t planar_upper_parameters = {
     .circulation_bias_x = 1e20,
     .circulation_bias_y = 1e20,
     .circulation_bias_z = 1e20,
+#endif
+#if PLANAR_TANGENTIAL
+    .tangential_speed = 1e20,
 #endif
 };
 

@@ -4,7 +4,8 @@
  *
  * As variants: with PLANAR_SELF_COLLISION the tool, a ball, must not touch the upper arm, nor the forearm a
  * ball beside the upper arm; with PLANAR_SELF_MEASUREMENT, PLANAR_MEMORY and PLANAR_CIRCULATION there are
- * those additions. Its range sensors open at 60 degrees, its switches at 120. */
+ * those additions; with PLANAR_REPULSIVE or PLANAR_TANGENTIAL it has the rows of that method. Its range
+ * sensors open at 60 degrees, its switches at 120. */
 #ifndef PLANAR_MODEL_H
 #define PLANAR_MODEL_H
 
@@ -26,6 +27,9 @@ extern "C" {
 #define PLANAR_MEMORY_CAPACITY 3
 #endif
 
+#if PLANAR_REPULSIVE || PLANAR_TANGENTIAL
+#define PLANAR_ACTIVE_ROW 0
+#endif
 #ifndef PLANAR_ACTIVE_ROW
 #define PLANAR_ACTIVE_ROW 1
 #endif
@@ -35,6 +39,10 @@ extern "C" {
 #if PLANAR_SELF_COLLISION
 #define PLANAR_SELF_POINTS 2
 #define PLANAR_ROWS        (2 * PLANAR_CAPSULES + PLANAR_ACTIVE_ROW)
+#elif PLANAR_REPULSIVE
+#define PLANAR_ROWS 6
+#elif PLANAR_TANGENTIAL
+#define PLANAR_ROWS 5
 #else
 #define PLANAR_ROWS (PLANAR_CAPSULES + PLANAR_ACTIVE_ROW)
 #endif
@@ -63,6 +71,9 @@ typedef struct {
   double circulation_speed, stall_time, stall_fraction, circulation_release_time, circulation_patience;
   double circulation_time_limit, circulation_blend_time;
   double circulation_bias_x, circulation_bias_y, circulation_bias_z;
+#endif
+#if PLANAR_TANGENTIAL
+  double tangential_speed;
 #endif
 } planar_parameters_t;
 
