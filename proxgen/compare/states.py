@@ -25,8 +25,8 @@ UNLIMITED = 1e10
 FOLDED = 0.7
 """Probability that an arm with self-collision is folded."""
 
-TRIES = 24
-"""Postures among which the one is chosen that is folded as wanted."""
+SEARCH = 60
+"""Postures that are tried until an arm is folded as wanted."""
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def _joint_positions(config: Config, model: RobotModel, rng: np.random.Generator
     upper = np.where(model.q_upper > UNLIMITED, np.pi, model.q_upper)
     q = rng.uniform(lower, upper)
     if model.self_points and rng.random() < FOLDED:
-        q = _folded(config, model, rng.uniform(lower, upper, (TRIES, model.n)), rng)
+        q = _folded(config, model, (lower, upper), rng)
     limited, kind = np.flatnonzero(model.q_upper <= UNLIMITED), rng.random()
     if kind < 0.1 and limited.size:
         joint, beyond = int(rng.choice(limited)), 0.0 if kind < 0.05 else 0.9 * config.limits.tolerance
@@ -95,13 +95,24 @@ def _joint_positions(config: Config, model: RobotModel, rng: np.random.Generator
     return q
 
 
-def _folded(config: Config, model: RobotModel, postures: Array, rng: np.random.Generator) -> Array:
-    """Of postures (K, n) the one whose least distance of self-collision is closest to a random one."""
-    own = config.avoidance.self_collision
+def _folded(
+    config: Config, model: RobotModel, limits: tuple[Array, Array], rng: np.random.Generator
+) -> Array:
+    """A posture (n,) in which a random pair of self-collision is about as far apart as another draw says.
+
+    Found by a random search within the limits that takes smaller and smaller steps.
+    """
+    own, (lower, upper) = config.avoidance.self_collision, limits
     wanted = rng.uniform(-0.5 * own.d_r, 1.1 * own.d_a)
-    gaps = np.array([own_gaps(Posture(model, q)).min() for q in postures])
-    chosen: Array = postures[int(np.argmin(np.abs(gaps - wanted)))]
-    return chosen
+    pairs = np.argwhere([point.capsules for point in model.self_points])
+    point, capsule = pairs[int(rng.integers(len(pairs)))]
+    best, error = rng.uniform(lower, upper), np.inf
+    for step in np.geomspace(0.5, 0.005, SEARCH):
+        q = np.clip(best + step * (upper - lower) * rng.normal(size=model.n), lower, upper)
+        missing = abs(own_gaps(Posture(model, q))[point, capsule] - wanted)
+        if missing < error:
+            best, error = q, missing
+    return best
 
 
 def own_gaps(posture: Posture) -> Array:

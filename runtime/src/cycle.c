@@ -29,6 +29,10 @@ static void brake(const pg_controller_t *controller, double qdot[PG_N]) {
 
 /* What additions say of a cycle that they did not take part in: nothing. */
 static void forget_additions(pg_diagnostics_t *cycle) {
+#if PG_SELF_POINTS
+  for (int l = 0; l < PG_CAPSULES; l++)
+    cycle->self_distance[l] = INFINITY;
+#endif
 #if PG_SELF_MEASUREMENT
   cycle->self_readings = 0;
 #endif

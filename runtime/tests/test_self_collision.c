@@ -101,6 +101,7 @@ static void a_point_on_an_axis(void) {
   open_folded(&rig, -radii, 0.2);
   CHECK_EQUAL(rig_step(&rig), PG_FAULT_OBSTACLE_INSIDE);
   CHECK_EQUAL(rig.cycle->row_on[UPPER_ARM], 0);
+  CHECK(isinf(rig.cycle->self_distance[0]));
   rig_close(&rig);
 }
 

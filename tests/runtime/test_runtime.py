@@ -183,6 +183,8 @@ def test_what_a_library_needs_and_offers(additions: tuple[str, ...], kit: Kit) -
     objects = kit.objects(Variant("daqp", additions=additions))
     found = {path.stem: symbols(path) for path in objects}
     defined = {name for each in found.values() for kind, name in each if kind not in "Uw"}
+    additions = ("self_collision", "baselines")
+    assert [found[stem] for stem in additions] == [[], []], "what is off costs code"
     needed = {
         name for stem, each in found.items() if stem != "heap" for kind, name in each if kind == "U"
     } - defined
