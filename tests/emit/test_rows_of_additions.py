@@ -57,7 +57,7 @@ def test_the_code_is_whole_and_laid_out(
     generate(program, folder)
     compile_c(folder / "model.c")
     compile_c(folder / "kernels.c", raw=True)
-    style = [Path(sys.executable).parent / "clang-format", f"--style=file:{ROOT / '.clang-format'}"]
+    style = [str(Path(sys.executable).parent / "clang-format"), f"--style=file:{ROOT / '.clang-format'}"]
     readable = [path for path in sorted(folder.glob("*.[ch]*")) if path.stem != "kernels"]
     subprocess.run([*style, "--dry-run", "-Werror", *readable], check=True)
     assert macro in (folder / "binding.h").read_text()
