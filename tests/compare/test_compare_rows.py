@@ -88,7 +88,7 @@ def test_self_collision_of_the_iiwa(tmp_path: Path, backend: str) -> None:
         ("iiwa7", "slack", "damper", "axis", "daqp"),
         ("planar2", "staged", "paper", "surface", "daqp"),
         ("lift4", "slack", "paper", "surface", "qpoases"),
-        ("gen3", "staged", "paper", "axis", "daqp"),
+        ("gen3", "slack", "paper", "axis", "daqp"),
         ("ur10", "slack", "damper", "surface", "qpoases"),
         ("panda", "staged", "paper", "axis", "daqp"),
     ],
