@@ -37,6 +37,10 @@ VARIANTS = {
     "paper": "",
     "slack": "relaxation: {mode: slack, slack: {active_weight: 0.3}}",
     "damper": "avoidance: {schedule: damper}",
+    "damper_without_active": "avoidance: {schedule: damper, active: {enabled: false}}",
+    "damper_and_slack": (
+        "avoidance: {schedule: damper}\nrelaxation: {mode: slack, slack: {active_weight: 0.3}}"
+    ),
     "no_acceleration": "limits: {acceleration: null}",
     "no_joint_damper": "limits: {joint_damper: null}",
     "viability": "limits: {joint_damper: null, viability: true}",
@@ -52,6 +56,7 @@ LINES = (
     *(("paper", scene, "skin") for scene in ("gap", "pillar", "facing", "moving")),
     *(("slack", scene, "ideal") for scene in ("gap", "pillar")),
     *(("damper", scene, "ideal") for scene in ("gap", "pillar")),
+    *((name, "gap", "ideal") for name in ("damper_without_active", "damper_and_slack")),
     *(("no_acceleration", scene, "ideal") for scene in ("gap", "pillar")),
     *((name, "moving", "ideal") for name in ("no_joint_damper", "viability")),
     *(("circulation", scene, "ideal") for scene in ("facing", "gap")),
