@@ -15,7 +15,6 @@ from proxgen.errors import BuildError, ProxgenWarning
 
 ROOT = Path(__file__).parent.parent
 PLANAR2 = str(ROOT / "examples" / "planar2" / "planar2.yaml")
-IIWA7 = str(ROOT / "examples" / "iiwa7" / "iiwa7.yaml")
 VERBS = "bench, build, check, compare, generate, init, reproduce, run, schema"
 
 RUN_KEYS = {
@@ -283,35 +282,6 @@ def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.Capture
     assert "film: c/film.gif" in captured.out
     assert captured.err == ""  # no progress bar in a pipe
     assert "report: b/index.html" in captured.out
-
-
-def _numbers_of_run(robot: str, scene: str, *words: str) -> dict[str, object]:
-    """The numbers of a short run of the reference."""
-    given = ["run", robot, "--scene", scene, "--controller", "reference", "--duration", "2"]
-    assert main([*given, *words, "--json", "run.json"]) == 0
-    numbers: dict[str, object] = json.loads(Path("run.json").read_text())
-    assert set(numbers) == RUN_KEYS
-    return {key: value for key, value in numbers.items() if key != "cycle_us"}
-
-
-def test_plant_noise_and_start_of_a_run() -> None:
-    plain = _numbers_of_run(PLANAR2, "post")
-    assert plain == _numbers_of_run(PLANAR2, "post")
-    flags = (
-        ["--plant", "dynamic"],
-        ["--plant", "dynamic", "--latency", "50 ms"],
-        ["--perturb", "1"],
-        ["--perturb", "2"],
-    )
-    runs = [plain, *(_numbers_of_run(PLANAR2, "post", *words) for words in flags)]
-    assert len({repr(run) for run in runs}) == len(runs)
-
-
-def test_noise_and_dropouts_are_the_sensors() -> None:
-    noisy = ["--noise", "50 mm", "--dropout", "0.2"]
-    ways: list[list[str]] = [[], noisy, [*noisy, "--seed", "1"]]
-    runs = [_numbers_of_run(IIWA7, "moving", *words) for words in ways]  # the other arm sees nothing so soon
-    assert len({repr(run["mean_abs_dqdot"]) for run in runs}) == len(runs)
 
 
 def test_a_scene_for_another_arm_is_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
