@@ -92,7 +92,7 @@ def _gaps(arm: Arm, capsules: Capsules, places: Places, reach: Array) -> Array:
     sensors, samples = reach.shape
     which = np.repeat(np.arange(sensors), samples)
     points = places.points(arm, which, reach.ravel())
-    distance = capsules.surface_distance(arm, points).reshape(-1, sensors, samples)
+    distance = capsules.surface_distance(arm, points).reshape(capsules.body.size, sensors, samples)
     own_body = capsules.body[:, None] == places.body
     gaps: Array = np.where(own_body[:, :, None], np.inf, distance).min(axis=0)
     return gaps

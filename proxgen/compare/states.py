@@ -117,10 +117,8 @@ def _folded(
 
 def own_gaps(posture: Posture) -> Array:
     """Distances (P, L) of self points from capsules, between surfaces [m]; inf where they are no pair."""
-    points, poses = posture.model.self_points, posture.poses
-    centres = np.array([(poses[p.body] @ np.append(p.position, 1.0))[:3] for p in points])
-    gaps = posture.gaps(centres) - np.array([[p.radius] for p in points])
-    return np.where(np.array([p.capsules for p in points]), gaps, np.inf)
+    paired = np.array([point.capsules for point in posture.model.self_points])
+    return np.where(paired, posture.own_gaps(), np.inf)
 
 
 def _measurement(

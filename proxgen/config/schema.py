@@ -255,6 +255,9 @@ class Config(Section):
         if self.avoidance.circulation.enabled and not linear:
             message = "circulation moves the tool along x, y, z, and the task has none of these rows"
             yield Finding(("avoidance.circulation.enabled", "task.rows"), message)
+        if method == "tangential" and len(linear) < 3:
+            message = "the tangential method needs all of the rows x, y, z of the task"
+            yield Finding(("avoidance.method", "task.rows"), message)
         if method != "proposed" and self.relaxation.mode != "staged":
             message = f"avoidance.method: {method} needs the relaxation mode 'staged'"
             yield Finding(("relaxation.mode", "avoidance.method"), message)

@@ -73,6 +73,13 @@ class Posture:
         distance -= np.array([capsule.radius for capsule in self.model.capsules])
         return distance
 
+    def own_gaps(self) -> Array:
+        """Distances (P, L) of the self-collision points from all capsules, between surfaces [m]."""
+        points = self.model.self_points
+        centres = np.array([(self.poses[p.body] @ np.append(p.position, 1.0))[:3] for p in points])
+        gaps: Array = self.gaps(centres) - np.array([[p.radius] for p in points])
+        return gaps
+
     def self_clearance(self) -> float:
         """Least gap between capsules with at least two others in between, by points along their axes [m]."""
         body = np.array([capsule.body for capsule in self.model.capsules])

@@ -1,4 +1,4 @@
-"""Pairs of self-collision that are always too close, because they share a joint or lie in each other."""
+"""Points of self-collision without a pair, and pairs that are always too close to each other."""
 
 import numpy as np
 
@@ -13,7 +13,8 @@ _POSTURES = 24
 def touching_pairs(config: Config, model: RobotModel) -> list[Problem]:
     """A problem for each pair that is closer than d_r of self-collision in every sampled posture.
 
-    Such a row would push for ever, or be a fault, and no posture could satisfy it.
+    Such a row, of parts that share a joint or lie in each other, would push for ever, or be a fault, and no
+    posture could satisfy it. A point that is in no pair is a problem too: it would protect nothing.
 
     Args:
         config: where the points were written.
@@ -28,17 +29,13 @@ def touching_pairs(config: Config, model: RobotModel) -> list[Problem]:
     lower, upper = sampling_ranges(model)
     widest = np.full((len(model.self_points), len(model.capsules)), -np.inf)
     for q in (np.clip(0.0, lower, upper), *(rng.uniform(lower, upper) for _ in range(_POSTURES))):
-        posture = Posture(model, q)
-        poses = [posture.poses[point.body] for point in model.self_points]
-        places = [
-            pose[:3, :3] @ point.position + pose[:3, 3]
-            for pose, point in zip(poses, model.self_points, strict=True)
-        ]
-        radii = np.array([point.radius for point in model.self_points])
-        widest = np.maximum(widest, posture.gaps(np.array(places)) - radii[:, None])
+        widest = np.maximum(widest, Posture(model, q).own_gaps())
     least = config.avoidance.self_collision.d_r
     problems = []
     for index, point in enumerate(model.self_points):
+        if not any(point.capsules):
+            message = f"'{point.name}' is a pair with no capsule: all are excluded, or move with it"
+            problems.append(config.problem(f"avoidance.self_collision.points.{index}", message))
         for slot, capsule in enumerate(model.capsules):
             if point.capsules[slot] and widest[index, slot] < least:
                 message = (

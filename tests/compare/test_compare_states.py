@@ -1,13 +1,15 @@
 """Random states: the same for a seed, of every kind, for any arm."""
 
 import numpy as np
+import pytest
 
 from proxgen.compare import random_states
 from proxgen.compare.states import UNLIMITED
 from proxgen.config.schema import Config
+from proxgen.config.variants import override
 from proxgen.controllers.protocol import Status
 from proxgen.controllers.reference import ReferenceController
-from proxgen.model import RobotModel
+from proxgen.model import RobotModel, build_model
 
 
 def test_a_seed_gives_the_same_states(iiwa7_config: Config, iiwa7_model: RobotModel) -> None:
@@ -31,6 +33,18 @@ def test_states_fit_the_arm(any_config: Config, any_model: RobotModel) -> None:
         limited = any_model.q_upper <= UNLIMITED
         assert (state.q <= any_model.q_upper + tolerance)[limited].all()
         assert (state.q >= any_model.q_lower - tolerance)[limited].all()
+
+
+@pytest.mark.parametrize("without", ["tof", "capacitive", "both"])
+def test_states_of_a_skin_without_some_sensors(without: str, planar2_config: Config) -> None:
+    gone: dict[str, object] = {"skin.cuffs": []} if without == "both" else {f"skin.{without}": None}
+    additions = {"skin.self_measurement.enabled": True, "skin.memory.enabled": True}
+    config = override(planar2_config, gone | additions)
+    model = build_model(config)
+    controller = ReferenceController(config, model)
+    for state in random_states(config, model, 50, seed=6, faults=0.0):
+        assert state.measurement.capacitive.shape == (len(model.capacitive_modules),)
+        assert not controller.step(state.q, state.xdot, state.measurement).status.fault
 
 
 def test_no_fault_is_met_unless_asked_for(any_config: Config, any_model: RobotModel) -> None:

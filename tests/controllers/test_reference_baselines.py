@@ -190,6 +190,11 @@ def test_additions_to_the_proposed_method_are_refused(tmp_path: Path) -> None:
         variant(tmp_path, "avoidance: {method: tangential}\nrelaxation: {mode: slack}\n")
 
 
+def test_the_tangential_method_needs_all_of_the_tools_velocity(tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match="needs all of the rows x, y, z of the task"):
+        variant(tmp_path, "avoidance: {method: tangential}\n", robot="planar2")
+
+
 def test_repulsion_stops_in_front_of_the_gap_and_the_tangent_does_not(tmp_path: Path) -> None:
     """The paper's claim in 15 s with true distances: the repulsive method never gets anywhere."""
     reached = {}

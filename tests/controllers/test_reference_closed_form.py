@@ -5,9 +5,10 @@ import pinocchio as pin
 import pytest
 
 from proxgen.config.schema import Config
+from proxgen.config.variants import override
 from proxgen.controllers.protocol import OFF, Array, Command, Measurement, Status
 from proxgen.controllers.reference import ReferenceController
-from proxgen.model import RobotModel
+from proxgen.model import RobotModel, build_model
 from proxgen.model.robot_model import CapsuleModel, Drive
 
 L1, L2, HEIGHT = 0.5, 0.4, 0.1
@@ -42,6 +43,19 @@ def jacobian(q: Array) -> Array:
     """J of the two-link arm, rows x and y."""
     s1, c1, s12, c12 = np.sin(q[0]), np.cos(q[0]), np.sin(q.sum()), np.cos(q.sum())
     return np.array([[-L1 * s1 - L2 * s12, -L2 * s12], [L1 * c1 + L2 * c12, L2 * c12]])
+
+
+def test_an_arm_of_one_joint(planar2_config: Config) -> None:
+    """With its elbow locked the planar arm is a lever."""
+    config = override(planar2_config, {"robot.locked_joints": {"joint_2": 0.0}})
+    controller, q = ReferenceController(config, build_model(config)), np.array([0.7])
+    lever = (L1 + L2) * np.array([-np.sin(0.7), np.cos(0.7)])
+    xdot = np.array([-0.1, 0.05])
+    command = decide(controller, q, xdot)
+    np.testing.assert_allclose(command.diagnostics.g, [-lever @ xdot], rtol=0, atol=1e-14)
+    damping = command.diagnostics.damping  # two task rows for one joint: w = 0
+    assert damping == pytest.approx(0.1)
+    np.testing.assert_allclose(command.qdot, [lever @ xdot / (lever @ lever + damping)], rtol=0, atol=1e-12)
 
 
 def test_objective_of_the_two_link_arm(planar2_config: Config, planar2_model: RobotModel) -> None:

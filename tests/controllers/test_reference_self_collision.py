@@ -181,6 +181,13 @@ def test_pairs_that_always_touch_are_refused(tmp_path: Path) -> None:
     assert "add {capsule: hand, point: wrist} to exclude" in str(caught.value)
 
 
+def test_points_without_a_pair_are_refused(tmp_path: Path) -> None:
+    exclude = ", ".join(f"{{capsule: {name}, point: tool}}" for name in ("upper_arm", "forearm"))
+    text = f"avoidance: {{self_collision: {{points: [{{name: tool, frame: tcp}}], exclude: [{exclude}]}}}}\n"
+    with pytest.raises(ConfigError, match="'tool' is a pair with no capsule"):
+        variant(tmp_path, text)
+
+
 def test_exclusions_of_what_does_not_exist_are_refused(tmp_path: Path) -> None:
     text = (
         "avoidance: {self_collision: {points: [{name: tool, frame: tcp}], "

@@ -55,7 +55,8 @@ class Arm:
             return np.zeros((6, self.n))
         frame = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         jacobian = pin.getJointJacobian(self._pin_model, self._data, body, frame)
-        with_mimics: Array = jacobian @ self._transmission
+        # Of an arm with one joint it comes as a vector.
+        with_mimics: Array = jacobian.reshape(6, -1) @ self._transmission
         return with_mimics
 
     def point_jacobian(self, body: int, point: Array) -> Array:
