@@ -140,9 +140,14 @@ PAPER = (
           "V.D, fig. 8",
           All((_none("penetration_samples", ("moving_dynamic",)),
                _targets("moving_dynamic", ">=", 2, "least")))),
-    Claim("Compared to the simulation, the minimum distances fall below the thresholds more often, because "
-          "of the control cabinet.", "V.D, fig. 15",
+    Claim("Compared to the simulation, the minimum distances fall below the thresholds more often.",
+          "V.D, fig. 15",
           _more("time_below_dr_fraction", "moving_dynamic", "moving_kinematic")),
+    Claim("This is caused by the control cabinet, which does not apply the correction motions immediately "
+          "(here: with true distances, so that nothing else differs, distances dip further behind it).",
+          "V.D, fig. 15",
+          All(tuple(_more("min_distance_axis_m", f"true_{scene}", f"cabinet_{scene}")
+                    for scene in ("pillar", "moving")))),
     Claim("Especially at link 3 (here: the hand).", "V.D, fig. 15",
           All(tuple(Compare(_of("moving_dynamic", "link_below_dr_fraction.hand"), ">",
                             _of("moving_dynamic", f"link_below_dr_fraction.{link}"))

@@ -138,6 +138,13 @@ def _paper_sections(results: Results, gallery: Gallery) -> list[Section]:
             "dynamic arm behind a model of the control cabinet.",
             ("moving_kinematic", "moving_dynamic"), ("kinematic plant", "behind the cabinet"), dynamic,
         ),
+        _experiments(
+            results, "cabinet", "V.D What the control cabinet does",
+            "True distances, as the skin's blind spots are to play no part: commands followed exactly, "
+            "and behind the cabinet, which bounds acceleration and jerk.",
+            [f"{kind}_{scene}" for scene in ("pillar", "moving") for kind in ("true", "cabinet")],
+            [f"{scene}, {plant}" for scene in ("pillar", "moving") for plant in ("kinematic", "cabinet")],
+        ),
     ]  # fmt: skip
 
 

@@ -127,6 +127,10 @@ EXPERIMENTS = (
     Experiment("moving_dynamic", "behind the cabinet", "moving", plant="dynamic"),
     # the paper's configuration with true distances: what better sensors alone would do
     *(Experiment(f"true_{scene}", f"paper, {scene}", scene, sensing="ideal") for scene in SCENES),
+    # what the cabinet alone does: no blind spots of the skin beside it
+    *(Experiment(f"cabinet_{scene}", f"paper, {scene}, behind the cabinet", scene, sensing="ideal",
+                 plant="dynamic")
+      for scene in ("pillar", "moving")),
     # beyond the paper
     *(Experiment(f"improved_{scene}", f"improved, {scene}", scene, IMPROVED, "ideal") for scene in SCENES),
     Experiment("dense_moving", "improved and denser", "moving", DENSE),

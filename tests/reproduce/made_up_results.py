@@ -28,6 +28,8 @@ OTHERS: dict[str, dict[str, Any]] = {
     "true_facing": {"targets_reached": 1},
     "moving_kinematic": {"time_below_dr_fraction": 0.06, "mean_abs_joint_jump": 0.02},
     "moving_dynamic": {"time_below_dr_fraction": 0.09},
+    "cabinet_pillar": {"min_distance_axis_m": 0.19},
+    "cabinet_moving": {"min_distance_axis_m": 0.19},
     "dense_moving": {"time_below_dr_fraction": 0.01},
 }
 
