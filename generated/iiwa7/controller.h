@@ -68,7 +68,7 @@ typedef struct {
 /* The QP of the last cycle and how it was decided:
  *     min 1/2 x'Hx + g'x   subject to   lb <= x <= ub,  A x <= ubA,   x = qdot                          (8)
  * H to ubA are those of stage 0, with all rows. One row per capsule, in their order, then the active row (7).
- * After a fault only lb, ub, row_on and the last four are of that cycle. */
+ * After a fault only lb, ub, row_on and all from kkt_residual on are of that cycle. */
 typedef struct {
   double H[IIWA7_JOINTS * IIWA7_JOINTS];    /* (9) */
   double g[IIWA7_JOINTS];                   /* (9) */
@@ -163,8 +163,9 @@ pg_status_t iiwa7_reset(iiwa7_controller_t *controller);
  * (pg_status_t).
  * In each of these the cycle is complete, and qdot is what to command: a stop brakes within the acceleration
  * bounds. A negative status is a wrong call (PG_ERROR_NULL, PG_ERROR_SIZE): qdot, where it can be written,
- * brakes too.
- * qdot may be the same array as q. Work is bounded: at most 5 stages, 2 attempts each (runtime/README.md). */
+ * brakes too. qdot may be the same array as q. Work is bounded: at most 5 stages, 3 attempts each
+ * (runtime/README.md).
+ */
 pg_status_t iiwa7_step(iiwa7_controller_t *controller, const double q[IIWA7_JOINTS],
                        const double xdot[IIWA7_TASK_ROWS], const iiwa7_measurement_t *seen,
                        double qdot[IIWA7_JOINTS]);

@@ -68,7 +68,7 @@ typedef struct {
 /* The QP of the last cycle and how it was decided:
  *     min 1/2 x'Hx + g'x   subject to   lb <= x <= ub,  A x <= ubA,   x = qdot                          (8)
  * H to ubA are those of stage 0, with all rows. One row per capsule, in their order, then the active row (7).
- * After a fault only lb, ub, row_on and the last four are of that cycle. */
+ * After a fault only lb, ub, row_on and all from kkt_residual on are of that cycle. */
 typedef struct {
   double H[PLANAR2_JOINTS * PLANAR2_JOINTS];  /* (9) */
   double g[PLANAR2_JOINTS];                   /* (9) */
@@ -165,8 +165,9 @@ pg_status_t planar2_reset(planar2_controller_t *controller);
  * (pg_status_t).
  * In each of these the cycle is complete, and qdot is what to command: a stop brakes within the acceleration
  * bounds. A negative status is a wrong call (PG_ERROR_NULL, PG_ERROR_SIZE): qdot, where it can be written,
- * brakes too.
- * qdot may be the same array as q. Work is bounded: at most 5 stages, 2 attempts each (runtime/README.md). */
+ * brakes too. qdot may be the same array as q. Work is bounded: at most 5 stages, 3 attempts each
+ * (runtime/README.md).
+ */
 pg_status_t planar2_step(planar2_controller_t *controller, const double q[PLANAR2_JOINTS],
                          const double xdot[PLANAR2_TASK_ROWS], const planar2_measurement_t *seen,
                          double qdot[PLANAR2_JOINTS]);
@@ -176,8 +177,7 @@ pg_status_t planar2_get_parameters(const planar2_controller_t *controller, plana
 
 /* Puts parameters in force from the next cycle on. PG_ERROR_PARAMETER if one is not finite, outside
  * planar2_lower_parameters to planar2_upper_parameters, or out of order with another (docs/method.md, table
- * of
- * parameters); then nothing is changed. Not to be called during a step of the same controller. */
+ * of parameters); then nothing is changed. Not to be called during a step of the same controller. */
 pg_status_t planar2_set_parameters(planar2_controller_t *controller, const planar2_parameters_t *parameters);
 
 /* Points *diagnostics at those of the last cycle: owned by the controller, overwritten by the next step. */

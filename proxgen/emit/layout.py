@@ -24,12 +24,18 @@ def tidy(text: str) -> str:
     """
     lines: list[str] = []
     in_comment = verbatim = False
-    for line in _join_declarations(_protect_macros([raw.rstrip() for raw in text.splitlines()])):
+    source = _join_declarations(_protect_macros([raw.rstrip() for raw in text.splitlines()]))
+    for index, line in enumerate(source):
         verbatim = verbatim or line.strip() == "/* clang-format off */"
         if verbatim or len(line) <= WIDTH or _TRAILING.match(line):
             lines.append(line)
         elif in_comment or line.lstrip().startswith("/*"):
-            lines += _wrap_comment(line)
+            *done, rest = _wrap_comment(line)
+            if done and (joined := _joined(rest, source[index + 1] if index + 1 < len(source) else "")):
+                source[index + 1] = joined
+            else:
+                done.append(rest)
+            lines += done
         else:
             lines += _wrap_declaration(line)
         verbatim = verbatim and line.strip() != "/* clang-format on */"
@@ -105,6 +111,14 @@ def _wrap_comment(line: str) -> list[str]:
         break_on_hyphens=False,
     )
     return [*wrapped, star + "/"] if closing else wrapped
+
+
+def _joined(rest: str, following: str) -> str | None:
+    """What is left of a wrapped line of a comment, and the line that goes on with its sentence; else None."""
+    left, right = _COMMENT.match(rest), _COMMENT.match(following)
+    if not (left and right and right[4][:1].islower() and left.group(1, 3) == right.group(1, 3)):
+        return None
+    return f"{rest} {right[4]}{right[5] or ''}"
 
 
 def _wrap_declaration(line: str) -> list[str]:

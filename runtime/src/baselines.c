@@ -1,6 +1,6 @@
 /* Step 4 of the methods that the paper compares with (docs/method.md, The methods): the point of the arm that
  * is nearest to an obstacle moves straight away from it, or along a tangent. Compiled in place of rows.c. */
-#include "rows.h"
+#include "row.h"
 #include "tangents.h"
 
 #if PG_BASELINE
@@ -51,17 +51,6 @@ static void switch_on_opposite(pg_diagnostics_t *cycle, int slot, const double r
 static void switch_on_pair(pg_diagnostics_t *cycle, int slot, const double row[PG_N], double b) {
   pg_switch_on(cycle, slot, row, b + PG_WIDTH);
   switch_on_opposite(cycle, slot + 1, row, -b + PG_WIDTH);
-}
-
-/* The capsule with the nearest point, the first of equals; -1: none is as near as `reach`. */
-static int nearest_within(const pg_controller_t *controller, double reach) {
-  int kept = -1;
-  for (int l = 0; l < PG_CAPSULES; l++) {
-    const pg_nearest_t *nearest = &controller->nearest[l];
-    if (!nearest->found || !(nearest->distance <= reach)) continue;
-    if (kept < 0 || nearest->distance < controller->nearest[kept].distance - PG_SAME_DISTANCE) kept = l;
-  }
-  return kept;
 }
 
 /* The law at each capsule's distance, for whoever looks at the diagnostics. */
@@ -175,7 +164,7 @@ void pg_write_rows(pg_controller_t *controller, const double xdot[PG_M]) {
   const pg_parameters_t *p = &controller->parameters;
   pg_switch_all_off(&controller->cycle);
   note_speeds(controller);
-  const int l = nearest_within(controller, REACH(p));
+  const int l = pg_nearest_capsule(controller, REACH(p));
   if (l < 0) {
     forget_tangent(controller);
     return;

@@ -39,19 +39,6 @@ static double length_of(const double vector[3]) {
   return sqrt(pg_dot(vector, vector));
 }
 
-/* The capsule with the least distance that is at most d_on, the first of equals; -1: there is none. */
-static int nearest_capsule(const pg_controller_t *controller) {
-  int nearest = -1;
-  double below = PG_D_ON(&controller->parameters);
-  for (int l = 0; l < PG_CAPSULES; l++) {
-    const double distance = controller->nearest[l].distance;
-    if (!controller->nearest[l].found || !(nearest < 0 ? distance <= below : distance < below)) continue;
-    nearest = l;
-    below = distance - PG_SAME_DISTANCE;
-  }
-  return nearest;
-}
-
 static situation_t look(const pg_controller_t *controller, const double wanted[PG_M]) {
   situation_t now;
   double linear[3], moving[PG_M];
@@ -65,7 +52,7 @@ static situation_t look(const pg_controller_t *controller, const double wanted[P
       moving[i] += controller->kinematics.J[i * PG_N + j] * controller->qdot_previous[j];
   }
   pg_linear_part(moving, now.velocity);
-  now.nearest = nearest_capsule(controller);
+  now.nearest = pg_nearest_capsule(controller, PG_D_ON(&controller->parameters));
   now.normal = now.nearest < 0 ? NULL : controller->nearest[now.nearest].direction;
   return now;
 }

@@ -56,6 +56,7 @@
 #define PG_CIRCULATION 0
 #endif
 
+#define pg_nearest_capsule   PG_NAME(internal_nearest_capsule)
 #define pg_find_own          PG_NAME(internal_find_own)
 #define pg_write_own_rows    PG_NAME(internal_write_own_rows)
 #define pg_dropped_at        PG_NAME(internal_dropped_at)

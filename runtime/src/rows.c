@@ -1,6 +1,6 @@
 /* Step 4: one row per capsule (5), and the active row (7); those of self-collision, if there are any, are in
  * self_collision.c, and those of the methods that the paper compares with in baselines.c. */
-#include "rows.h"
+#include "row.h"
 
 #if !PG_BASELINE
 

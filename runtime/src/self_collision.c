@@ -2,7 +2,7 @@
  * Self-collision). Steps 3 and 4 for them, with distances between surfaces and a schedule of their own.
  * Compiled only for robots that have such points. */
 #include "geometry.h"
-#include "rows.h"
+#include "row.h"
 #include "state.h"
 
 #if PG_SELF_POINTS

@@ -150,3 +150,15 @@ pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t 
   }
   return inside ? PG_FAULT_OBSTACLE_INSIDE : PG_SOLVED;
 }
+
+#if PG_CIRCULATION || PG_BASELINE
+int pg_nearest_capsule(const pg_controller_t *controller, double reach) {
+  int kept = -1;
+  for (int l = 0; l < PG_CAPSULES; l++) {
+    const pg_nearest_t *nearest = &controller->nearest[l];
+    if (!nearest->found || !(nearest->distance <= reach)) continue;
+    if (kept < 0 || nearest->distance < controller->nearest[kept].distance - PG_SAME_DISTANCE) kept = l;
+  }
+  return kept;
+}
+#endif

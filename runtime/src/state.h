@@ -105,6 +105,11 @@ pg_status_t pg_check_input(pg_controller_t *controller, const double q[PG_N], co
 /* Steps 2 and 3: PG_SOLVED, or PG_FAULT_OBSTACLE_INSIDE. Needs the kinematics of step 1. */
 pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t *seen);
 
+#if PG_CIRCULATION || PG_BASELINE
+/* The capsule with the nearest point, the first of equals; -1: none is as near as `reach`. */
+int pg_nearest_capsule(const pg_controller_t *controller, double reach);
+#endif
+
 /* Self-measurement removal: 1 if the arm itself explains what range sensor `sensor` reads, or that switch
  * `sensor` is closed. The axes are those of the capsules in the world. */
 int pg_range_shows_arm(const pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES], int sensor,

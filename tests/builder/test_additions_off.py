@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parents[2]
 SYMBOLS = {
     "self_measurement": {"range_shows_arm", "switch_shows_arm"},
     "memory": {"memory_forget", "memory_store"},
-    "circulation": {"circulate", "circulation_reset", "tangents", "basis", "linear_part"},
+    "circulation": {"circulate", "circulation_reset", "nearest_capsule", "tangents", "basis", "linear_part"},
 }
 """Functions of the runtime by addition; with the robot's prefix and `internal_`."""
 

@@ -2,8 +2,8 @@
  *
  * Every row has its slot for good. A row that is off keeps its last direction and gets ubA = PG_OFF: a row
  * set to zero, or rows packed anew in each cycle, let a hot start report success for a wrong solution. */
-#ifndef PROXGEN_ROWS_H
-#define PROXGEN_ROWS_H
+#ifndef PROXGEN_ROW_H
+#define PROXGEN_ROW_H
 
 #include "state.h"
 
