@@ -7,6 +7,9 @@ from proxgen.model.robot_model import Array
 SNAP = 1e-11
 """Rotation entries smaller than this are rounding of the URDF's decimals, and are set to zero."""
 
+CLOSE_TO_X = 0.9 - 1e-9
+"""Part of x in a unit vector from which on x is nearly parallel to it; rounding must not decide at 0.9."""
+
 
 def axis_basis(axis: Array) -> Array:
     """Right-handed frame whose third column is along `axis`.
@@ -21,7 +24,7 @@ def axis_basis(axis: Array) -> Array:
         (3, 3) rotation matrix.
     """
     third = axis / np.linalg.norm(axis)
-    seed = np.array([1.0, 0.0, 0.0]) if abs(third[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    seed = np.array([1.0, 0.0, 0.0]) if abs(third[0]) < CLOSE_TO_X else np.array([0.0, 1.0, 0.0])
     first = seed - (seed @ third) * third
     first /= np.linalg.norm(first)
     return np.column_stack([first, np.cross(third, first), third])

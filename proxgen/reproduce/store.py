@@ -1,14 +1,13 @@
 """What is kept of finished work: one record per task, written whole, and only used if it still fits."""
 
 import json
-import os
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from proxgen.errors import SimulationError
+from proxgen.files import write_whole
 from proxgen.simulation.log import RolloutLog
 
 Numbers = Mapping[str, Any]
@@ -36,14 +35,7 @@ class Store:
             log.save(self.log_path(name))
         content = {"task": name, "fingerprint": fingerprint, "log": log is not None, "numbers": numbers}
         text = json.dumps(content, indent=1, allow_nan=False) + "\n"
-        handle, part = tempfile.mkstemp(dir=self.directory, prefix=name, suffix=".part")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as file:
-                file.write(text)
-            Path(part).replace(self._record_path(name))
-        except BaseException:
-            Path(part).unlink(missing_ok=True)
-            raise
+        write_whole(self._record_path(name), text)
 
     def find(self, name: str, fingerprint: str) -> dict[str, Any] | None:
         """The numbers of a task that is done and was the same then as now; else None."""
@@ -80,13 +72,7 @@ def write_json(path: Path, content: Any) -> None:
         SimulationError: it cannot be written.
     """
     text = json.dumps(content, indent=2, allow_nan=False) + "\n"
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            part.write_text(text, encoding="utf-8")
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
+        write_whole(path, text)
     except OSError as error:
         raise SimulationError(f"cannot write {path}: {error.strerror or error}") from error

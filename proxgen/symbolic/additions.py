@@ -2,17 +2,13 @@
 
 from math import cos, pi, sin
 
-import numpy as np
-
 from proxgen.config.schema import Config
 from proxgen.model import RobotModel
+from proxgen.model.frames import axis_basis
 from proxgen.model.robot_model import Array
 from proxgen.program import Memory, SelfMeasurement
 
 Triple = tuple[float, float, float]
-
-_CLOSE_TO_X = 0.9
-"""A normal that is as close to the x axis has a basis that begins with the y axis."""
 
 
 def self_measurement(config: Config, model: RobotModel) -> SelfMeasurement | None:
@@ -42,12 +38,9 @@ def rays(normal: Array, cone: float) -> tuple[Triple, ...]:
         normal: n (3,), unit vector in the body's frame.
         cone: the opening angle α [rad].
     """
-    seed = np.eye(3)[0 if abs(normal[0]) < _CLOSE_TO_X else 1]
-    first = seed - (seed @ normal) * normal
-    first /= np.linalg.norm(first)
-    second = np.cross(normal, first)
+    first, second, third = axis_basis(normal).T
     around = [
-        sin(0.5 * cone) * (cos(turn) * first + sin(turn) * second) + cos(0.5 * cone) * normal
+        sin(0.5 * cone) * (cos(turn) * first + sin(turn) * second) + cos(0.5 * cone) * third
         for turn in (0.0, 0.5 * pi, pi, 1.5 * pi)
     ]
     return tuple(_triple(ray) for ray in (normal, *around))

@@ -7,8 +7,9 @@
 
 #include <math.h>
 
-/* Where the direction is as close to the x axis, the basis begins with the y axis. */
-#define CLOSE_TO_X 0.9
+/* Where the direction is as close to the x axis, the basis begins with the y axis: at 0.9, which rounding
+ * must not decide. */
+#define CLOSE_TO_X (0.9 - 1e-9)
 
 void pg_basis(const double direction[3], double first[3], double second[3]) {
   const int seed = fabs(direction[0]) < CLOSE_TO_X ? 0 : 1;

@@ -15,6 +15,9 @@ BETTER = 1e-9
 LEAST_VELOCITY = 1e-9
 """A slower task velocity has no direction [m/s]."""
 
+CLOSE_TO_X = 0.9 - 1e-9
+"""Part of x in a unit vector from which on its basis begins with y."""
+
 _LINEAR = ("x", "y", "z")
 
 
@@ -28,7 +31,7 @@ class Basis(NamedTuple):
 
 def basis_of(direction: Array) -> Basis:
     """Basis of a unit vector (3,): first the x axis made normal to it; the y axis where x is close to it."""
-    seed = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
+    seed = np.array([1.0, 0.0, 0.0]) if abs(direction[0]) < CLOSE_TO_X else np.array([0.0, 1.0, 0.0])
     first = seed - (seed @ direction) * direction
     first = first / np.linalg.norm(first)
     return Basis(first, np.cross(direction, first), direction)
