@@ -16,7 +16,10 @@
 /* A residual r leaves an error of up to r/lambda in q_dot, so certified is not yet exact. */
 #define EXACT (1e-6 * PG_TOLERANCE)
 
-#define STEPS 3
+/* Another working set may come out of a step, and the next ones go on from that, though it seem worse at
+ * first: unless what is there is good enough already. */
+#define STEPS 10
+#define GOOD  (1e-3 * PG_TOLERANCE)
 
 /* A row depends on those before it if only this part of it is left, which is rounding. */
 #define DEPENDENT 1e-14
@@ -157,14 +160,17 @@ static void improve(const pg_qp_t *qp, pg_solution_t *solution) {
 double pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
   keep_within_bounds(qp, solution->x);
   double residual = pg_kkt_residual(qp, solution);
-  for (int step = 0; step < STEPS && residual > EXACT && residual < INFINITY; step++) {
-    pg_solution_t improved = *solution;
+  pg_solution_t improved = *solution;
+  double left = residual;
+  for (int step = 0; step < STEPS && residual > EXACT && left < INFINITY; step++) {
     improve(qp, &improved);
     keep_within_bounds(qp, improved.x);
-    const double left = pg_kkt_residual(qp, &improved);
-    if (!(left < residual)) break;
-    *solution = improved;
-    residual = left;
+    left = pg_kkt_residual(qp, &improved);
+    if (left < residual) {
+      *solution = improved;
+      residual = left;
+    } else if (residual <= GOOD)
+      break;
   }
   return residual;
 }

@@ -1,5 +1,5 @@
 /* One QP, solved beyond doubt: as solved counts only what has a certificate, as infeasible only what has a
- * proof, or what two attempts of the solver, on different ways, agree on. */
+ * proof, or what the solver still claims with rows apart. */
 #include "state.h"
 
 #include <math.h>
@@ -9,10 +9,13 @@
 #define SHORT_SEARCH 2
 #define LONG_SEARCH  256
 
-/* In the last attempt rows are moved apart by one to two times this [m/s]. Where they leave a single point,
- * rounding errors make a solver see a contradiction; so they do not meet in one point any more. Polishing
- * then puts the solution on the rows as they are. */
-#define APART          1e-9
+/* After a second attempt with the rows as they are, rows are moved apart by one to two times these [m/s].
+ * Where they leave a single point, rounding errors make a solver see a contradiction; so they do not meet in
+ * one point any more. Polishing then puts the solution on the rows as they are: from near by, where levers
+ * are short and 1e-9 m/s is far. */
+static const double distances_apart[] = {0.0, 1e-9, 1e-13};
+enum { FURTHER_ATTEMPTS = sizeof distances_apart / sizeof distances_apart[0] };
+
 #define GOLDEN_SECTION 0.6180339887498949
 
 /* An answer with a greater residual is asked for again, even if it could be certified: a residual r of a row
@@ -20,20 +23,18 @@
 #define GOOD (1e-3 * PG_TOLERANCE)
 
 /* What it means that a solver found nothing. Infeasible is what a proof shows, the solver's or one that a
- * search finds; and what a solver claims again, if no feasible x turns up. */
-static pg_outcome_t judge(const pg_qp_t *qp, const pg_solution_t *solution, pg_outcome_t claim,
-                          pg_start_t start) {
+ * search finds; and what a solver claims even with rows apart, if no feasible x turns up. */
+static pg_outcome_t judge(const pg_qp_t *qp, const pg_solution_t *solution, pg_outcome_t claim, int is_last) {
   if (PG_RELAXATION_SLACK) return PG_UNSOLVED; /* soft rows are always feasible */
   if (claim == PG_INFEASIBLE && pg_proves_infeasible(qp, solution->y)) return PG_INFEASIBLE;
   const pg_verdict_t verdict = pg_search(qp, LONG_SEARCH);
-  const int claimed_again = claim == PG_INFEASIBLE && start == PG_AGAIN;
-  return verdict == PG_CONTRADICTORY || (verdict == PG_UNDECIDED && claimed_again) ? PG_INFEASIBLE
-                                                                                   : PG_UNSOLVED;
+  const int is_believed = verdict == PG_UNDECIDED && claim == PG_INFEASIBLE && is_last;
+  return verdict == PG_CONTRADICTORY || is_believed ? PG_INFEASIBLE : PG_UNSOLVED;
 }
 
 /* One solve of `posed`, of which `qp` is what is meant; says PG_OPTIMAL only with a certificate for that. */
 static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *posed, const pg_qp_t *qp,
-                            pg_start_t start) {
+                            pg_start_t start, int is_last) {
   pg_diagnostics_t *cycle = &controller->cycle;
   pg_solution_t *solution = &controller->solution;
   pg_outcome_t outcome = pg_solver_solve(controller->solver, posed, start, solution);
@@ -42,7 +43,7 @@ static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *posed, c
 #endif
   cycle->solves++;
   cycle->iterations += solution->iterations;
-  if (outcome != PG_OPTIMAL) return judge(qp, solution, outcome, start);
+  if (outcome != PG_OPTIMAL) return judge(qp, solution, outcome, is_last);
   const double residual = pg_polish(qp, solution);
   if (!(residual <= PG_TOLERANCE)) {
     controller->counters.certificate_failures++;
@@ -54,11 +55,11 @@ static pg_outcome_t attempt(pg_controller_t *controller, const pg_qp_t *posed, c
 
 /* Right-hand sides with rows apart: by unequal amounts, and not in arithmetic progression, as that could be a
  * dependence again. */
-static void move_apart(const pg_qp_t *qp, double ubA[PG_ROWS]) {
+static void move_apart(const pg_qp_t *qp, double distance, double ubA[PG_ROWS]) {
   double part = 0.0;
   for (int i = 0; i < PG_ROWS; i++) {
     part += part < 1.0 - GOLDEN_SECTION ? GOLDEN_SECTION : GOLDEN_SECTION - 1.0;
-    ubA[i] = qp->ubA[i] >= PG_OFF ? PG_OFF : qp->ubA[i] + APART * (1.0 + part);
+    ubA[i] = qp->ubA[i] >= PG_OFF ? PG_OFF : qp->ubA[i] + distance * (1.0 + part);
   }
 }
 
@@ -69,10 +70,10 @@ static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, 
   double least = outcome == PG_OPTIMAL ? *residual : INFINITY;
   pg_qp_t apart = *qp;
   apart.ubA = ubA;
-  move_apart(qp, ubA);
   controller->cycle.second_chances++;
-  for (int last = 0; last <= 1 && least > GOOD; last++) {
-    const pg_outcome_t again = attempt(controller, last ? &apart : qp, qp, PG_AGAIN);
+  for (int k = 0; k < FURTHER_ATTEMPTS && least > GOOD; k++) {
+    move_apart(qp, distances_apart[k], ubA);
+    const pg_outcome_t again = attempt(controller, &apart, qp, PG_AGAIN, k == FURTHER_ATTEMPTS - 1);
     pg_solver_load(controller->solver, qp); /* as it was, for what follows */
     if (again == PG_INFEASIBLE && outcome != PG_OPTIMAL) return PG_INFEASIBLE;
     if (again != PG_OPTIMAL || !(*residual < least)) continue;
@@ -88,7 +89,7 @@ static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, 
 /* Solves one stage; a first answer that proves nothing, or not well enough, gets a second chance. */
 pg_outcome_t pg_solve(pg_controller_t *controller, const pg_qp_t *qp) {
   if (!PG_RELAXATION_SLACK && pg_search(qp, SHORT_SEARCH) == PG_CONTRADICTORY) return PG_INFEASIBLE;
-  const pg_outcome_t outcome = attempt(controller, qp, qp, PG_FIRST);
+  const pg_outcome_t outcome = attempt(controller, qp, qp, PG_FIRST, 0);
   const int is_final =
       outcome == PG_INFEASIBLE || (outcome == PG_OPTIMAL && controller->cycle.kkt_residual <= GOOD);
   return is_final ? outcome : solve_again(controller, qp, outcome);

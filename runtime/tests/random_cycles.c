@@ -154,7 +154,7 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
     CHECK(fabs(qdot[j]) <= controller->parameters.qdot_limit[j]);
   }
   if (status < PG_STOPPED_INFEASIBLE) CHECK(cycle->kkt_residual <= PG_TOLERANCE && cycle->solves > 0);
-  CHECK(cycle->solves <= 15 && cycle->iterations <= 5 * (1 + 2 * 4) * PG_MAX_ITERATIONS);
+  CHECK(cycle->solves <= 20 && cycle->iterations <= 5 * (1 + 3 * 4) * PG_MAX_ITERATIONS);
   for (int slot = 0; slot < PG_ROWS; slot++) {
     double squared = 0.0;
     for (int j = 0; j < PG_N; j++)

@@ -18,8 +18,6 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -31,6 +29,7 @@ from proxgen.builder.program import compile_program
 from proxgen.builder.toolchain import run
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Status
+from proxgen.controllers.reference.exact import meets_exactly
 from proxgen.controllers.reference.feasibility import feasibility_margin
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.controllers.reference.relaxation import STAGES, stage_rows
@@ -113,58 +112,14 @@ def stages(problem: Problem, order: RowOrder) -> Iterator[tuple[Status, Array, A
         yield status, values["A"][kept], b[kept]
 
 
-def exact_margin(A: Array, b: Array, lb: Array, ub: Array) -> Fraction:
-    """t* = min over the box of the greatest component of A x - b, in rational arithmetic.
-
-    By duality it is the greatest value of min over the box of y'(A x - b) with y ≥ 0, Σy = 1. That is linear
-    between the planes y_i = 0 and (A'y)_j = 0, so it is greatest where k - 1 of them meet: all are tried.
-
-    Args:
-        A: (k, n) rows, k ≥ 1.
-        b: (k,) right-hand sides.
-        lb: (n,) lower bounds.
-        ub: (n,) upper bounds.
-    """
-    k, n = A.shape
-    rows = [[Fraction(value) for value in row] for row in A.tolist()]
-    right, low, high = ([Fraction(value) for value in array.tolist()] for array in (b, lb, ub))
-    planes = [[Fraction(int(i == j)) for j in range(k)] for i in range(k)]
-    planes += [[row[j] for row in rows] for j in range(n) if low[j] != high[j]]
-    values = []
-    for chosen in combinations(planes, k - 1):
-        y = solve_exactly([[Fraction(1)] * k, *chosen], [Fraction(1)] + [Fraction(0)] * (k - 1))
-        if y is None or min(y) < 0:
-            continue
-        slope = [sum((y[i] * rows[i][j] for i in range(k)), Fraction(0)) for j in range(n)]
-        least = sum((min(s * u, s * v) for s, u, v in zip(slope, low, high, strict=True)), Fraction(0))
-        values.append(least - sum((y[i] * right[i] for i in range(k)), Fraction(0)))
-    return max(values)
-
-
-def solve_exactly(matrix: list[list[Fraction]], right: list[Fraction]) -> list[Fraction] | None:
-    """The solution of linear equations; None if there is not exactly one."""
-    size = len(right)
-    lines = [[*line, value] for line, value in zip(matrix, right, strict=True)]
-    for c in range(size):
-        pivot = next((i for i in range(c, size) if lines[i][c]), None)
-        if pivot is None:
-            return None
-        lines[c], lines[pivot] = lines[pivot], lines[c]
-        lines[c] = [value / lines[c][c] for value in lines[c]]
-        for i in range(size):
-            factor = lines[i][c]
-            if i != c and factor:
-                lines[i] = [u - factor * v for u, v in zip(lines[i], lines[c], strict=True)]
-    return [line[size] for line in lines]
-
-
 def feasibility(A: Array, b: Array, lb: Array, ub: Array) -> str:
     """`feasible`, `infeasible`, or `tie`: rows that exclude each other by no more than the tolerance."""
     _, least, most = feasibility_margin(A, b, lb, ub, TOLERANCE)
     if least > TOLERANCE or most <= 0.0:
         return "infeasible" if least > TOLERANCE else "feasible"
-    margin = exact_margin(A, b, lb, ub)
-    return "feasible" if margin <= 0 else "tie" if margin <= TOLERANCE else "infeasible"
+    if meets_exactly(A, b, lb, ub):
+        return "feasible"
+    return "tie" if meets_exactly(A, b, lb, ub, TOLERANCE) else "infeasible"
 
 
 def judge(problem: Problem, order: RowOrder, decided: Sequence[float]) -> list[str]:

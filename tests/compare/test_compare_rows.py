@@ -89,6 +89,8 @@ def test_self_collision_of_the_iiwa(tmp_path: Path, backend: str) -> None:
         ("planar2", "staged", "paper", "surface", "daqp"),
         ("lift4", "slack", "paper", "surface", "qpoases"),
         ("gen3", "slack", "paper", "axis", "daqp"),
+        ("gen3", "staged", "paper", "axis", "daqp"),
+        ("gen3", "staged", "damper", "surface", "qpoases"),
         ("ur10", "slack", "damper", "surface", "qpoases"),
         ("panda", "staged", "paper", "axis", "daqp"),
     ],

@@ -9,7 +9,6 @@ import pytest
 from scripts import ROOT, load_script, run_with_tools
 
 from proxgen.config import load
-from proxgen.controllers.reference.feasibility import feasibility_margin
 from proxgen.controllers.reference.parameters import default_parameters
 from proxgen.model import build_model
 
@@ -52,18 +51,6 @@ def test_problems_are_found(judged: dict[str, dict[str, int]], message: str) -> 
 def test_heap_use_and_different_faults_are_found() -> None:
     assert problems({}, heap_calls=4) == ["DAQP used the heap 4 times"]
     assert problems({}, faults=2) == ["2 cycles are a fault for one back end only"]
-
-
-def test_the_exact_margin_is_that_of_the_reference() -> None:
-    rng = np.random.default_rng(8)
-    for _ in range(20):
-        A, b = rng.normal(size=(int(rng.integers(1, 5)), 3)), rng.normal(size=4)
-        lb, ub, b = -rng.uniform(0.0, 0.5, 3), rng.uniform(0.0, 0.5, 3), b[: len(A)]
-        margin = float(SOAK.exact_margin(A, b, lb, ub))
-        _, least, most = feasibility_margin(A, b, lb, ub, margin - 1e-12)
-        assert least - 1e-12 <= margin <= most + 1e-12
-        _, least, most = feasibility_margin(A, b, lb, ub, margin + 1e-7)
-        assert most <= margin + 1e-7
 
 
 @pytest.mark.parametrize(
