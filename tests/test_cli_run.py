@@ -1,11 +1,13 @@
-"""`proxgen run`: what plant, noise and start do to a run."""
+"""`proxgen run`: what plant, noise and start do to a run, and where its numbers may go."""
 
+import argparse
 import json
 from pathlib import Path
 
 import pytest
 
 from proxgen.cli import main
+from proxgen.cli.arguments import new_file
 
 EXAMPLES = Path(__file__).parent.parent / "examples"
 PLANAR2 = str(EXAMPLES / "planar2" / "planar2.yaml")
@@ -23,6 +25,14 @@ def _numbers_of_run(robot: str, scene: str, *words: str) -> dict[str, object]:
     assert main([*given, *words, "--json", "run.json"]) == 0
     numbers: dict[str, object] = json.loads(Path("run.json").read_text())
     return {key: value for key, value in numbers.items() if key != "cycle_us"}
+
+
+def test_a_device_needs_no_folder_that_can_be_written(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Such as /dev/stdout for those who are not root."""
+    monkeypatch.setattr("os.access", lambda path, mode: Path(path) != Path("/dev"))
+    assert new_file("/dev/null") == Path("/dev/null")
+    with pytest.raises(argparse.ArgumentTypeError, match="nothing can be written in /dev"):
+        new_file("/dev/numbers.json")
 
 
 def test_plant_noise_and_start_of_a_run() -> None:

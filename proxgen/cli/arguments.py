@@ -87,7 +87,8 @@ def new_file(text: str) -> Path:
     path = Path(text)
     if path.is_dir():
         raise argparse.ArgumentTypeError(f"{path} is a folder; a file is needed")
-    new_folder(str(path.parent))
+    if path.is_file() or not path.exists():
+        new_folder(str(path.parent))  # /dev/stdout is written in place, and /dev belongs to root
     if path.exists() and not os.access(path, os.W_OK):
         raise argparse.ArgumentTypeError(f"{path} cannot be written: permission denied")
     return path
