@@ -27,6 +27,13 @@ static inline void pg_transform(const double pose[12], const double point[3], do
         pose[4 * i] * point[0] + pose[4 * i + 1] * point[1] + pose[4 * i + 2] * point[2] + pose[4 * i + 3];
 }
 
+/* Moves a point of the world into the frame of such a pose. */
+static inline void pg_transform_back(const double pose[12], const double point[3], double moved[3]) {
+  const double v[3] = {point[0] - pose[3], point[1] - pose[7], point[2] - pose[11]};
+  for (int i = 0; i < 3; i++)
+    moved[i] = pose[i] * v[0] + pose[4 + i] * v[1] + pose[8 + i] * v[2];
+}
+
 /* The segment between two points of a body in the world. */
 static inline void pg_place(const double pose[12], const double start[3], const double end[3],
                             pg_segment_t *segment) {

@@ -5,6 +5,7 @@
 #if PG_MEMORY_CAPACITY > 0
 
 #include <math.h>
+#include <string.h>
 
 /* More than rounding makes of any place near the arm. */
 #define ROUNDING 1e-6 /* [m] */
@@ -29,41 +30,63 @@ static int in_reach(const pg_segment_t axes[PG_CAPSULES], const double point[3],
   return 0;
 }
 
+/* The used slots, and their points in the frame of a body. */
+typedef struct {
+  int count;
+  pg_slot_t *slot[PG_MEMORY_CAPACITY];
+  double point[PG_MEMORY_CAPACITY][3];
+} used_t;
+
+static void move_into(const double pose[12], used_t *used) {
+  for (int k = 0; k < used->count; k++)
+    pg_transform_back(pose, used->slot[k]->point, used->point[k]);
+}
+
+static void drop(used_t *used, int k) {
+  used->slot[k]->used = 0;
+  used->count--;
+  used->slot[k] = used->slot[used->count];
+  memcpy(used->point[k], used->point[used->count], sizeof used->point[k]);
+}
+
 /* Frees the slots that a range sensor sees through: nearer than its reading by more than the margin, and
- * close enough to its axis. Nearly all are behind the sensor, or too far along its normal: that is told
- * first, with room for rounding. */
-static void see_through(pg_controller_t *controller, int sensor, double reading) {
-  const pg_sensor_t *place = &pg_model_tof[sensor];
-  const double *pose = controller->kinematics.body_to_world[place->body];
-  const double clear = reading - controller->parameters.memory_margin - PG_SAME_DISTANCE;
-  if (!(clear > 0.0)) return;
-  double origin[3], normal[3];
-  pg_transform(pose, place->position, origin);
-  pg_turn(pose, place->normal, normal);
-  const double behind = pg_dot(origin, normal) - ROUNDING, beyond = behind + clear + 2.0 * ROUNDING;
-  for (int k = 0; k < PG_MEMORY_CAPACITY; k++) {
-    pg_slot_t *slot = &controller->memory[k];
-    if (!slot->used) continue;
-    const double ahead = pg_dot(slot->point, normal);
-    if (ahead < behind || ahead > beyond) continue;
-    const double v[3] = {slot->point[0] - origin[0], slot->point[1] - origin[1], slot->point[2] - origin[2]};
+ * close enough to its axis. Nearly all are behind the sensor, or far from its axis: that is told first,
+ * without a root and with room for rounding. */
+static void see_through(const pg_sensor_t *sensor, double cosine, double clear, used_t *used) {
+  const pg_sensor_t at = *sensor;
+  const double behind = pg_dot(at.position, at.normal) - ROUNDING, squared_cosine = cosine * cosine;
+  for (int k = used->count - 1; k >= 0; k--) {
+    const double *point = used->point[k];
+    const double along = pg_dot(point, at.normal) - behind;
+    if (along < 0.0) continue;
+    const double v[3] = {point[0] - at.position[0], point[1] - at.position[1], point[2] - at.position[2]};
     const double squared = pg_dot(v, v);
-    if (squared < clear * clear &&
-        pg_dot(v, normal) >= pg_model_tof_see_through[sensor] * sqrt(squared) - PG_SAME_DISTANCE)
-      slot->used = 0;
+    if (along * along < squared_cosine * squared) continue;
+    if (squared < clear * clear && pg_dot(v, at.normal) >= cosine * sqrt(squared) - PG_SAME_DISTANCE)
+      drop(used, k);
   }
 }
 
 void pg_memory_forget(pg_controller_t *controller, const pg_segment_t axes[PG_CAPSULES],
                       const pg_measurement_t *seen) {
+  used_t used;
+  used.count = 0;
   for (int k = 0; k < PG_MEMORY_CAPACITY; k++) {
     pg_slot_t *slot = &controller->memory[k];
-    if (slot->used &&
-        (seen->time - slot->time > controller->parameters.memory_age || in_arm(axes, slot->point)))
+    if (!slot->used) continue;
+    if (seen->time - slot->time > controller->parameters.memory_age || in_arm(axes, slot->point))
       slot->used = 0;
+    else
+      used.slot[used.count++] = slot;
   }
-  for (int i = 0; i < PG_TOF; i++)
-    see_through(controller, i, seen->tof_range[i]);
+  const double margin = controller->parameters.memory_margin + PG_SAME_DISTANCE;
+  for (int i = 0, body = -1; i < PG_TOF && used.count > 0; i++) {
+    const pg_sensor_t *sensor = &pg_model_tof[i];
+    if (!(seen->tof_range[i] > margin)) continue;
+    if (sensor->body != body) move_into(controller->kinematics.body_to_world[sensor->body], &used);
+    body = sensor->body;
+    see_through(sensor, pg_model_tof_see_through[i], seen->tof_range[i] - margin, &used);
+  }
 }
 
 /* The slot that a point gets: that of the nearest one which is near enough, a free one, or the oldest. */

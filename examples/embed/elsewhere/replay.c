@@ -6,10 +6,10 @@
  * by cycle status, instructions, qdot, and in the end the deepest stack [bytes].
  *
  * Everything is allocated statically; nothing comes from a heap. */
+#include "binding.h" /* controller.h, with names that are the same for every robot */
 #include "board.h"
-#include "controller.h"
 
-enum { N = IIWA7_JOINTS, M = IIWA7_TASK_ROWS, TOF = IIWA7_TOF, SWITCHES = IIWA7_CAPACITIVE };
+enum { N = PG_N, M = PG_M, TOF = PG_TOF, SWITCHES = PG_CAPACITIVE };
 
 /* One cycle of inputs.bin. */
 typedef struct {
@@ -23,24 +23,24 @@ typedef struct {
   double point_count;
 } record_t;
 
-static _Alignas(16) unsigned char memory[IIWA7_MEMORY_SIZE];
+static _Alignas(16) unsigned char memory[PG_MEMORY_SIZE];
 static record_t record;
-static double points[3 * IIWA7_MAX_POINTS + 1];
+static double points[3 * PG_MAX_POINTS + 1];
 static unsigned char switches[SWITCHES];
 
-static int replay_cycle(iiwa7_controller_t *controller) {
+static int replay_cycle(pg_controller_t *controller) {
   for (int i = 0; i < SWITCHES; i++)
     switches[i] = record.capacitive[i] != 0.0;
-  const iiwa7_measurement_t seen = {.time = record.time,
-                                    .tof_range = record.tof_range,
-                                    .capacitive = switches,
-                                    .tof_age = record.tof_age,
-                                    .capacitive_age = record.capacitive_age,
-                                    .points = points,
-                                    .point_count = (int)record.point_count};
+  const pg_measurement_t seen = {.time = record.time,
+                                 .tof_range = record.tof_range,
+                                 .capacitive = switches,
+                                 .tof_age = record.tof_age,
+                                 .capacitive_age = record.capacitive_age,
+                                 .points = points,
+                                 .point_count = (int)record.point_count};
   double output[2 + N];
   board_start_counting();
-  output[0] = (double)iiwa7_step(controller, record.q, record.xdot, &seen, &output[2]);
+  output[0] = (double)pg_step(controller, record.q, record.xdot, &seen, &output[2]);
   output[1] = board_instructions();
   return board_write(output, 2 + N);
 }
@@ -51,10 +51,10 @@ __attribute__((noinline)) static void thousand_instructions(void) {
 }
 
 int main(void) {
-  iiwa7_controller_t *controller;
+  pg_controller_t *controller;
   double head[2]; /* cycles, room */
-  if (board_open() || board_read(head, 2) || head[1] > IIWA7_MAX_POINTS) return 1;
-  if (iiwa7_create_in(memory, sizeof memory, &controller) != PG_SOLVED) return 2;
+  if (board_open() || board_read(head, 2) || head[1] > PG_MAX_POINTS) return 1;
+  if (PG_NAME(create_in)(memory, sizeof memory, &controller) != PG_SOLVED) return 2;
   board_start_counting();
   thousand_instructions();
   const double thousand = board_instructions();
@@ -65,5 +65,5 @@ int main(void) {
       return 4;
   const double stack = board_stack();
   if (board_write(&stack, 1) || board_close()) return 5;
-  return iiwa7_destroy(controller) != PG_SOLVED;
+  return pg_destroy(controller) != PG_SOLVED;
 }
