@@ -81,6 +81,7 @@ int main(int argc, char **argv) {
   double nearest = INFINITY;
   Metronome metronome;
   for (long passed = 0; passed < count; passed++) {
+    if (passed == count / 2 && !be_careful(controller)) return 1;
     if (!metronome.wait()) continue;
     iiwa7::Measurement seen; // nothing, but
     seen.time = metronome.time();
@@ -92,7 +93,6 @@ int main(int argc, char **argv) {
     for (const double distance : controller.diagnostics()->distance)
       nearest = std::min(nearest, distance);
     metronome.finish();
-    if (passed == count / 2 && !be_careful(controller)) return 1;
   }
   metronome.report();
   const iiwa7::Counters counters = controller.counters();
