@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array, Command, Controller, Diagnostics, Status
+from proxgen.controllers.reference.exact import meets_exactly
 from proxgen.controllers.reference.feasibility import feasibility_margin
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.controllers.reference.qp import QuadraticProgram, kkt_residual, solve
@@ -59,7 +60,7 @@ class Judgement:
     Attributes:
         errors: greatest difference per quantity; nan: nothing to compare; inf: one side is not finite.
         status: of the candidate.
-        reference_status: of the reference.
+        reference_status: of the reference; where another is as right, this is no finding.
         row_mismatches: rows that are on for one and off for the other.
         findings: everything beyond its tolerance, each a sentence without place and time.
     """
@@ -104,7 +105,8 @@ class Judge:
             pairs["qdot"] = candidate.qdot, reference.qdot
             if candidate.status.success:
                 pairs["slack"] = mine.slack, theirs.slack
-        else:
+        tied = candidate.status != reference.status and self._is_tie(candidate, reference)
+        if candidate.status != reference.status and not tied:
             findings.append(self._status_sentence(candidate.status, reference.status, theirs))
         if not candidate.status.fault and not reference.status.fault:
             pairs |= {name: (getattr(mine, name), getattr(theirs, name)) for name in ("H", "g", "lb", "ub")}
@@ -122,7 +124,7 @@ class Judge:
             if errors[name] > self.tolerances.of(name):
                 findings.append(_value_sentence(name, a, b, worst, errors[name], self.tolerances.of(name)))
         errors["bound_penetration"] = _outside(candidate.qdot, theirs.lb, theirs.ub)
-        if candidate.status.success and reference.status.success:
+        if candidate.status.success and reference.status.success and not tied:
             errors["kkt_residual"] = self.residual(candidate, theirs)
         for name in ("kkt_residual", "bound_penetration"):
             if errors[name] > self.tolerances.of(name):
@@ -155,6 +157,29 @@ class Judge:
         ladder = self._order.ladder(theirs.distance, theirs.self_distance, self._parameters)
         kept, b = stage_rows(status, theirs.row_on, theirs.ubA, ladder)
         return QuadraticProgram(theirs.H, theirs.g, theirs.A[kept], b[kept], theirs.lb, theirs.ub)
+
+    def _is_tie(self, candidate: Command, reference: Command) -> bool:
+        """Whether docs/method.md, step 6, allows both statuses.
+
+        It does where a stage is a tie: its rows exclude each other by more than 0, but by no more than the
+        tolerance. A stage may be skipped unless it is feasible, and taken unless it is infeasible; each side
+        is judged by its own QP, in rational arithmetic.
+        """
+        stages = (*STAGES, Status.STOPPED_INFEASIBLE)
+        if self._soft or candidate.status not in stages or reference.status not in stages:
+            return False
+        earlier = min(candidate.status, reference.status)
+        for command in (candidate, reference):
+            program = self._program(earlier, command.diagnostics)
+            rows = program.A, program.b, program.lb, program.ub
+            if meets_exactly(*rows) or not meets_exactly(*rows, self._tolerance):
+                return False
+            between = [stage for stage in STAGES if earlier < stage < command.status]
+            for stage in between:
+                program = self._program(stage, command.diagnostics)
+                if meets_exactly(program.A, program.b, program.lb, program.ub):
+                    return False
+        return True
 
     def _status_sentence(self, mine: Status, reference: Status, theirs: Diagnostics) -> str:
         """Both statuses, and how clear the case is at the first stage that only one of them took."""

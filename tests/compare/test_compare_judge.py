@@ -273,3 +273,46 @@ def test_a_reference_that_cannot_follow_runs_by_itself(
         judged(planar2_config, planar2_model, fresh(planar2_config, planar2_model), reference).verdict
         == "pass"
     )
+
+
+@pytest.mark.parametrize(
+    ("excess", "later", "allowed"),
+    [
+        (1e-9, Status.REDUCED_REPULSION, True),
+        (9e-9, Status.REDUCED_REPULSION, True),
+        (2e-8, Status.REDUCED_REPULSION, False),  # infeasible: one should not have been solved
+        (0.0, Status.REDUCED_REPULSION, False),  # feasible: the other should have been solved
+        (1e-9, Status.REDUCED_CRITICAL, False),  # with rows raised it is feasible
+        (1e-9, Status.STOPPED_INFEASIBLE, False),
+        (1e-9, Status.STOPPED_SOLVER, False),
+    ],
+)
+@pytest.mark.parametrize("swapped", [False, True])
+def test_both_verdicts_about_a_tie_are_right(
+    iiwa7_config: Config,
+    iiwa7_model: RobotModel,
+    excess: float,
+    later: Status,
+    allowed: bool,
+    swapped: bool,
+) -> None:
+    """Two critical rows, q̇_0 ≤ -0.1 - 2 excess and -q̇_0 ≤ 0.1: the worse is exceeded by `excess` at best."""
+    reference = fresh(iiwa7_config, iiwa7_model)
+    state = next(random_states(iiwa7_config, iiwa7_model, 1, seed=SEED, faults=0.0))
+    command = with_qdot(factor=0.0)(reference.step(state.q, state.xdot, state.measurement))
+    A = np.zeros_like(command.diagnostics.A)
+    A[:2, 0] = 1.0, -1.0
+    command = with_diagnostics(
+        command,
+        A=A,
+        ubA=np.array([-0.1 - 2.0 * excess, 0.1, 1e20, 1e20]),
+        row_on=np.array([True, True, False, False]),
+        distance=np.array([0.01, 0.01, np.inf]),
+        lb=np.full(7, -1.0),
+        ub=np.full(7, 1.0),
+    )
+    pair = [with_status(Status.SOLVED)(command), with_status(later)(command)]
+    candidate, other = pair[::-1] if swapped else pair
+    findings = Judge(iiwa7_config, reference).judge(candidate, other).findings
+    assert any("status" in words for words in findings) is not allowed
+    assert not allowed or findings == ()
