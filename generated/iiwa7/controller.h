@@ -163,9 +163,7 @@ pg_status_t iiwa7_reset(iiwa7_controller_t *controller);
  * (pg_status_t).
  * In each of these the cycle is complete, and qdot is what to command: a stop brakes within the acceleration
  * bounds. A negative status is a wrong call (PG_ERROR_NULL, PG_ERROR_SIZE): qdot, where it can be written,
- * brakes too. qdot may be the same array as q. Work is bounded: at most 5 stages, 3 attempts each
- * (runtime/README.md).
- */
+ * brakes too. qdot may be the same array as q. Work is bounded (runtime/README.md). */
 pg_status_t iiwa7_step(iiwa7_controller_t *controller, const double q[IIWA7_JOINTS],
                        const double xdot[IIWA7_TASK_ROWS], const iiwa7_measurement_t *seen,
                        double qdot[IIWA7_JOINTS]);
