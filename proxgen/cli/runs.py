@@ -2,6 +2,7 @@
 
 import argparse
 import warnings
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from proxgen.config.scene import Scene
     from proxgen.controllers.protocol import Controller
     from proxgen.model import RobotModel
+    from proxgen.simulation.log import RolloutLog
     from proxgen.simulation.plant import Plant
 
 METHODS = ("repulsive", "tangential")
@@ -131,8 +133,10 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
     if arguments.perturb is not None:
         scene, offset = perturbed(scene, model, arguments.perturb)
     controller = _controller(arguments.controller, config, model)
-    plant = _plant(arguments, model)
-    with progress_bar(f"{config.robot.name} in {scene.name}") as progress:
+    with (
+        closing(_plant(arguments, model)) as plant,
+        progress_bar(f"{config.robot.name} in {scene.name}") as progress,
+    ):
         log = run(
             sensed,
             model,
@@ -146,10 +150,22 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
             start_offset=offset,
             plant=plant,
         )
+    _write_run(arguments, log, sensed, model)
+    return 0
+
+
+def _write_run(
+    arguments: argparse.Namespace, log: "RolloutLog", config: "Config", model: "RobotModel"
+) -> None:
+    """The numbers first, and what takes long or may fail last, so that a failure there loses none of them."""
     summary = log.summary()
     print(columns([(key, _shown(value)) for key, value in summary.items()]))
     if arguments.json:
         write_json(arguments.json, summary)
+    if arguments.out:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        log.save(arguments.out / "log.npz")
+        write_json(arguments.out / "summary.json", summary)
     if arguments.film:
         from proxgen.report.film import write_film
 
@@ -158,11 +174,7 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
     if arguments.out:
         from proxgen.report import write_report
 
-        arguments.out.mkdir(parents=True, exist_ok=True)
-        log.save(arguments.out / "log.npz")
-        write_json(arguments.out / "summary.json", summary)
-        print(f"report: {write_report(arguments.out, [log], config=sensed, film=arguments.film)}")
-    return 0
+        print(f"report: {write_report(arguments.out, [log], config=config, film=arguments.film)}")
 
 
 def _refuse_what_has_no_effect(arguments: argparse.Namespace) -> None:
@@ -183,10 +195,14 @@ def _with_worse_sensors(config: "Config", arguments: argparse.Namespace) -> "Con
     return with_noise(config, arguments.noise, arguments.dropout)
 
 
-def _plant(arguments: argparse.Namespace, model: "RobotModel") -> "Plant | None":
-    """What moves; None: every command is followed exactly."""
+def _plant(arguments: argparse.Namespace, model: "RobotModel") -> "Plant":
+    """What moves."""
     if arguments.plant == "kinematic":
-        return None
+        import numpy as np
+
+        from proxgen.simulation.plant import KinematicPlant
+
+        return KinematicPlant(np.zeros(model.n))
     from proxgen.simulation.cabinet import Cabinet
     from proxgen.simulation.dynamic_plant import DynamicPlant
 
@@ -241,9 +257,9 @@ def _controller(name: str, config: "Config", model: "RobotModel") -> "Controller
 
         return ReferenceController(config, model)
     import proxgen
+    from proxgen.config.variants import variant_name
 
-    # A folder for each method, so that switching compiles nothing.
-    folder = Path("build") / f"{config.robot.name}-{name}" if name in METHODS else None
+    folder = Path("build") / variant_name(config) if name in METHODS else None
     controller: Controller = proxgen.build(config, folder)
     return controller
 

@@ -54,6 +54,12 @@ def with_method(config: Config, method: str) -> Config:
     return override(config, {"avoidance.method": method} | changes)
 
 
+def variant_name(config: Config) -> str:
+    """Robot and method, as the name of a build folder: switching methods compiles nothing."""
+    method = config.avoidance.method
+    return config.robot.name if method == "proposed" else f"{config.robot.name}-{method}"
+
+
 def with_noise(config: Config, noise: float | None, dropout: float | None) -> Config:
     """The configuration with sensors that are less good, those of every cuff, in simulation.
 

@@ -11,7 +11,7 @@ from proxgen.config import load
 from proxgen.config.hashing import config_hash
 from proxgen.config.scene import load_scene
 from proxgen.config.schema import Config
-from proxgen.config.variants import with_method, with_noise
+from proxgen.config.variants import variant_name, with_method, with_noise
 from proxgen.reproduce.plan import Agreement, Experiment, Plan, Setup
 from proxgen.reproduce.store import Store
 
@@ -210,16 +210,10 @@ def build_libraries(
     libraries: Libraries = {}
     for setup in plan.setups:
         config = variant(plan.configurations[setup.configuration], setup.method)
-        libraries[setup] = build(config, folder / library_name(config)).library_dir
+        libraries[setup] = build(config, folder / variant_name(config)).library_dir
         if progress:
             progress(len(libraries), len(plan.setups))
     return libraries
-
-
-def library_name(config: Config) -> str:
-    """Name of the build folder: a robot's methods have one each, so that switching builds nothing."""
-    method = config.avoidance.method
-    return config.robot.name if method == "proposed" else f"{config.robot.name}-{method}"
 
 
 def open_controller(library: Path) -> "Controller":
