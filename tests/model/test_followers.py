@@ -108,8 +108,7 @@ def test_limits_that_leave_no_room_are_refused(tmp_path: Path) -> None:
     [
         ("  - {name: tip, frame: tip, start: [0, 0, 0], end: [0, 0, 0.1], radius: 0.02}\n", "capsules.2"),
         (
-            "avoidance: {self_collision: {points: [{name: tip, frame: tip}], "
-            "exclude: [{capsule: link_1, point: tip}]}}\n",
+            "avoidance: {self_collision: {points: [{name: tip, frame: tip, position: [0, 0, 0.5]}]}}\n",
             "avoidance.self_collision.points.0",
         ),
     ],
