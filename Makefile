@@ -38,7 +38,7 @@ $(VENV)/.installed: pyproject.toml constraints.txt
 demo: setup  ## the paper's gap: generate, compile, run, compare with the reference, report in out/demo
 	@$(BIN)/python examples/demo.py
 
-reproduce: setup  ## the paper's experiments, figures and claims, in out/reproduce: 25 minutes on two cores
+reproduce: setup  ## the paper's experiments, figures and claims, in out/reproduce: 6 minutes on two cores
 	@$(BIN)/proxgen reproduce
 
 embed: setup  ## recorded runs on emulated aarch64 and Cortex-M7: the same commands? instructions, sizes
