@@ -3,6 +3,7 @@
 import ctypes
 import os
 import sys
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
@@ -61,12 +62,12 @@ def _require_display() -> None:
     x11.XCloseDisplay(ctypes.c_void_p(display))
 
 
-class Closing:
+class Closing(ABC):
     """Something that is closed where its `with` block ends."""
 
+    @abstractmethod
     def close(self) -> None:
         """Give back what it holds; closing twice does nothing."""
-        raise NotImplementedError
 
     def __enter__(self) -> Self:
         return self
