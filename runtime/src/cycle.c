@@ -74,7 +74,7 @@ static pg_status_t decide(pg_controller_t *controller, const double q[PG_N], con
   PG_STAGE_ENDS(KINEMATICS);
   status = pg_find_nearest(controller, seen);
 #if PG_SELF_POINTS
-  if (status == PG_SOLVED) status = pg_find_own(controller);
+  if (status == PG_SOLVED) status = pg_find_nearest_self(controller);
 #endif
   if (status != PG_SOLVED) {
     forget_additions(cycle);

@@ -57,8 +57,8 @@
 #endif
 
 #define pg_nearest_capsule   PG_NAME(internal_nearest_capsule)
-#define pg_find_own          PG_NAME(internal_find_own)
-#define pg_write_own_rows    PG_NAME(internal_write_own_rows)
+#define pg_find_nearest_self PG_NAME(internal_find_nearest_self)
+#define pg_write_self_rows   PG_NAME(internal_write_self_rows)
 #define pg_dropped_at        PG_NAME(internal_dropped_at)
 #define pg_range_shows_arm   PG_NAME(internal_range_shows_arm)
 #define pg_switch_shows_arm  PG_NAME(internal_switch_shows_arm)

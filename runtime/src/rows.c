@@ -57,7 +57,7 @@ void pg_write_rows(pg_controller_t *controller, const double xdot[PG_M]) {
   (void)weighted, (void)total;
 #endif
 #if PG_SELF_POINTS
-  pg_write_own_rows(controller);
+  pg_write_self_rows(controller);
 #endif
 }
 
@@ -72,7 +72,7 @@ pg_status_t pg_dropped_at(const pg_controller_t *controller, int slot) {
     return dropped_by_distance(controller->nearest[slot].distance, PG_D_DISTANT(p), PG_D_CRITICAL(p));
 #if PG_SELF_POINTS
   if (slot >= PG_FIRST_SELF_ROW)
-    return dropped_by_distance(controller->own[slot - PG_FIRST_SELF_ROW].distance,
+    return dropped_by_distance(controller->nearest_self[slot - PG_FIRST_SELF_ROW].distance,
                                p->self_d_0u + PG_SAME_DISTANCE, p->self_d_r + PG_SAME_DISTANCE);
 #endif
   return PG_REDUCED_ACTIVE;

@@ -13,7 +13,7 @@ static double weight_of(const pg_controller_t *controller, int slot) {
   if (!controller->cycle.row_on[slot]) return weight;
 #if PG_SELF_POINTS
   if (slot >= PG_FIRST_SELF_ROW) {
-    pg_model_self_slack_weight(p, controller->own[slot - PG_FIRST_SELF_ROW].distance, &weight);
+    pg_model_self_slack_weight(p, controller->nearest_self[slot - PG_FIRST_SELF_ROW].distance, &weight);
     return weight;
   }
 #endif

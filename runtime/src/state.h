@@ -23,7 +23,7 @@ typedef struct {
   double closest[3]; /* [m] p on the axis, world */
   double point[3];   /* [m] h, world */
   double apart[3];   /* [m] h - p */
-} pg_own_t;
+} pg_nearest_self_t;
 #endif
 
 /* A slot of the memory of seen points. */
@@ -46,7 +46,7 @@ struct PG_NAME(controller) {
   pg_kinematics_t kinematics;
   pg_nearest_t nearest[PG_CAPSULES];
 #if PG_SELF_POINTS
-  pg_own_t own[PG_CAPSULES];
+  pg_nearest_self_t nearest_self[PG_CAPSULES];
 #endif
   pg_diagnostics_t cycle; /* the QP of this cycle, and how it was decided */
   pg_counters_t counters;
@@ -132,8 +132,8 @@ void pg_write_rows(pg_controller_t *controller, const double xdot[PG_M]);
 
 #if PG_SELF_POINTS
 /* Steps 3 and 4 for the points that the arm carries. */
-pg_status_t pg_find_own(pg_controller_t *controller);
-void pg_write_own_rows(pg_controller_t *controller);
+pg_status_t pg_find_nearest_self(pg_controller_t *controller);
+void pg_write_self_rows(pg_controller_t *controller);
 #endif
 
 /* The stage of the ladder from which a row that is on is dropped; PG_KEPT: none. */

@@ -84,7 +84,7 @@ def read_record(path: Path, joints: int) -> Record:
     return Record(values[:, 0], values[:, 1], values[:, 2:])
 
 
-def read_problems(path: Path, manifest: dict[str, Any], own: bool) -> Iterator[Problem]:
+def read_problems(path: Path, manifest: dict[str, Any], self_collision: bool) -> Iterator[Problem]:
     """The problems that a run has written."""
     sizes: dict[str, int] = manifest["dimensions"]
     n, rows, capsules = sizes["joints"], sizes["rows"], sizes["capsules"]
@@ -92,7 +92,11 @@ def read_problems(path: Path, manifest: dict[str, Any], own: bool) -> Iterator[P
         each["name"]: tuple(each["shape"]) for each in manifest["parameters"]
     }
     layout = {f"parameter {name}": shape for name, shape in shapes.items()}
-    layout |= {"row_on": (rows,), "distance": (capsules,), "self_distance": (capsules if own else 0,)}
+    layout |= {
+        "row_on": (rows,),
+        "distance": (capsules,),
+        "self_distance": (capsules if self_collision else 0,),
+    }
     layout |= {"ubA": (rows,), "lb": (n,), "ub": (n,), "A": (rows, n), "H": (n, n), "g": (n,)}
     ends = np.cumsum([int(np.prod(shape)) for shape in layout.values()])
     for line in np.fromfile(path).reshape(-1, ends[-1]):
@@ -226,7 +230,7 @@ class Soak:
         at.write_text("\n".join(map(str, cycles)))
         self.run("daqp", *options, "--at", str(at), "--problems", str(written))
         order = RowOrder.of(self.config)
-        read = read_problems(written, self.manifest, order.own)
+        read = read_problems(written, self.manifest, order.self_collision)
         for cycle, problem in zip(cycles, read, strict=True):
             decided = [records[name].status[cycle] for name in BACKENDS]
             worth = judge(problem, order, decided)

@@ -13,7 +13,7 @@ from proxgen.controllers.reference.geometry import Capsules
 from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.relaxation import slack_weights
 from proxgen.controllers.reference.row_order import RowOrder
-from proxgen.controllers.reference.self_collision import SelfPoints, own_rows
+from proxgen.controllers.reference.self_collision import SelfPoints, self_rows
 from proxgen.errors import ConfigError
 from proxgen.model import RobotModel
 
@@ -96,7 +96,7 @@ def test_joints_below_both_do_not_move_them_towards_each_other(controller: Refer
     arm.move_to(np.array([0.3, 0.4, -0.2, 2.0, 0.5, 1.8, 0.0]))
     nearest = own.nearest(arm, capsules, 1.0)
     assert np.isfinite(nearest.distance[0])
-    row = own_rows(arm, capsules, nearest, controller._parameters)[0][0]
+    row = self_rows(arm, capsules, nearest, controller._parameters)[0][0]
     np.testing.assert_allclose(row[:3], 0.0, atol=1e-15)
     assert np.linalg.norm(row[3:]) > 0.1
 
@@ -121,7 +121,7 @@ def test_the_law_has_thresholds_of_its_own(controller: ReferenceController) -> N
 
 
 def test_rows_are_dropped_by_their_own_distances(controller: ReferenceController) -> None:
-    order = RowOrder("proposed", "paper", capsules=3, active=True, own=True)
+    order = RowOrder("proposed", "paper", capsules=3, active=True, self_collision=True)
     p = controller._parameters
     ladder = order.ladder(np.full(3, 0.2), np.array([0.2, 0.06, 0.02]), p)
     assert ladder.dropped_at.tolist()[3:] == [Status.REDUCED_ACTIVE, 2, 4, 99]

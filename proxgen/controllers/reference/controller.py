@@ -17,7 +17,7 @@ from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.parameters import changed, default_parameters
 from proxgen.controllers.reference.qp import QuadraticProgram
 from proxgen.controllers.reference.row_order import RowOrder
-from proxgen.controllers.reference.self_collision import OwnNearest, SelfPoints, own_rows
+from proxgen.controllers.reference.self_collision import NearestSelf, SelfPoints, self_rows
 from proxgen.controllers.reference.sensing import Eyes, Seen
 from proxgen.errors import ControllerError
 from proxgen.model.robot_model import RobotModel
@@ -46,7 +46,7 @@ class ReferenceController:
         self._arm = Arm(model)
         self._capsules = Capsules(model)
         self._eyes = Eyes(config, model, self._capsules)
-        self._own = SelfPoints(model) if self._order.own else None
+        self._self_points = SelfPoints(model) if self._order.self_collision else None
         self._circulation = Circulation(model.task_rows) if config.avoidance.circulation.enabled else None
         baseline = BASELINES.get(self._order.method)
         self._baseline = baseline(self._order.schedule, model.task_rows) if baseline else None
@@ -103,13 +103,15 @@ class ReferenceController:
         seen = self._eyes.see(self._arm, measurement, p)
         influence = avoidance.thresholds(self._order.schedule, p).influence
         nearest = avoidance.nearest_points(self._arm, self._capsules, seen.points, influence)
-        own = self._own.nearest(self._arm, self._capsules, p.self_d_a) if self._own else None
-        if nearest.inside or (own is not None and own.inside):
+        near_self = None
+        if self._self_points:
+            near_self = self._self_points.nearest(self._arm, self._capsules, p.self_d_a)
+        if nearest.inside or (near_self is not None and near_self.inside):
             return self._safe_stop(Status.FAULT_OBSTACLE_INSIDE, q)
-        return self._solve(q, xdot, seen, nearest, own)
+        return self._solve(q, xdot, seen, nearest, near_self)
 
     def _solve(
-        self, q: Array, xdot: Array, seen: Seen, nearest: avoidance.Nearest, own: OwnNearest | None
+        self, q: Array, xdot: Array, seen: Seen, nearest: avoidance.Nearest, near_self: NearestSelf | None
     ) -> Command:
         """Steps 4 to 7: rows, objective, bounds, decision; before them what circulation does."""
         p = self._parameters
@@ -117,14 +119,14 @@ class ReferenceController:
         if self._circulation is not None:
             onset = p.d_a if self._order.schedule == "paper" else p.damper_influence
             xdot = self._circulation.change(xdot, J, self._qdot_previous, nearest, onset, p)
-        rows = self._rows(xdot, nearest, own)
-        own_distance = relaxation.NONE if own is None else own.distance
+        rows = self._rows(xdot, nearest, near_self)
+        self_distance = relaxation.NONE if near_self is None else near_self.distance
         w = objective.manipulability(J)
         damping = objective.damping(w, p)
         H, g = objective.objective(J, xdot, q, damping, p)
         lb, ub = objective.bounds(q, self._qdot_previous, p)
         program = QuadraticProgram(H, g, rows.A, rows.b, lb, ub)
-        decision = self._decide(program, rows, nearest.distance, own_distance)
+        decision = self._decide(program, rows, nearest.distance, self_distance)
         solution = decision.solution
         qdot = np.zeros(q.size) if solution is None else solution.x[: q.size]
         diagnostics = Diagnostics(
@@ -147,33 +149,33 @@ class ReferenceController:
             second_chances=decision.second_chances,
             self_readings=seen.self_readings,
             memory_points=seen.memory_points,
-            self_distance=own_distance,
+            self_distance=self_distance,
             circulating=bool(self._circulation and self._circulation.circulating),
             tangent=self._circulation.tangent if self._circulation else relaxation.NONE,
         )
         return self._command(qdot, decision.status, diagnostics)
 
-    def _rows(self, xdot: Array, nearest: avoidance.Nearest, own: OwnNearest | None) -> avoidance.Rows:
+    def _rows(self, xdot: Array, nearest: avoidance.Nearest, near_self: NearestSelf | None) -> avoidance.Rows:
         """Step 4, with the rows of self-collision; or those of the method that is in place of it."""
         p, arm, capsules = self._parameters, self._arm, self._capsules
         if self._baseline is not None:
             return self._baseline.rows(arm, capsules, nearest, xdot, p)
         rows = avoidance.rows(arm, capsules, nearest, self._order.schedule, self._order.active, p)
-        if own is None:
+        if near_self is None:
             return rows
-        own_A, own_b = own_rows(arm, capsules, own, p)
-        A, b = np.concatenate((rows.A, own_A)), np.concatenate((rows.b, own_b))
+        self_A, self_b = self_rows(arm, capsules, near_self, p)
+        A, b = np.concatenate((rows.A, self_A)), np.concatenate((rows.b, self_b))
         return avoidance.Rows(A, b, b < OFF, rows.approach_speed)
 
     def _decide(
-        self, program: QuadraticProgram, rows: avoidance.Rows, distance: Array, own_distance: Array
+        self, program: QuadraticProgram, rows: avoidance.Rows, distance: Array, self_distance: Array
     ) -> relaxation.Decision:
         """Step 6, in the mode of the configuration."""
         p, order = self._parameters, self._order
         if self._soft:
-            rho = order.weights(rows.on, distance, own_distance, p)
+            rho = order.weights(rows.on, distance, self_distance, p)
             return relaxation.soft(program, rows.on, rho, self._tolerance)
-        ladder = order.ladder(distance, own_distance, p)
+        ladder = order.ladder(distance, self_distance, p)
         return relaxation.staged(program, rows.on, ladder, self._tolerance)
 
     def _safe_stop(self, fault: Status, q: Array) -> Command:
@@ -205,7 +207,7 @@ class ReferenceController:
             iterations=0,
             solves=0,
             second_chances=0,
-            self_distance=np.full(slots if self._own else 0, np.inf),
+            self_distance=np.full(slots if self._self_points else 0, np.inf),
             tangent=np.full(3 if self._circulation else 0, np.nan),
         )
         return self._command(np.zeros(n), fault, diagnostics)

@@ -127,7 +127,9 @@ def _distinct_stages(
         previous = kept, right
 
 
-def slack_weights(on: NDArray[np.bool_], distance: Array, p: Parameters, own_distance: Array = NONE) -> Array:
+def slack_weights(
+    on: NDArray[np.bool_], distance: Array, p: Parameters, self_distance: Array = NONE
+) -> Array:
     """Weights ρ (R,) of the soft rows: slack_weight · clip((d_a - d)/(d_a - d_r), minimum, maximum)².
 
     The active row has its own weight; a row that is off has slack_weight.
@@ -136,14 +138,14 @@ def slack_weights(on: NDArray[np.bool_], distance: Array, p: Parameters, own_dis
         on: (R,) rows that are on.
         distance: (L,) of the capsules [m]; inf is allowed where the row is off.
         p: distances and weights.
-        own_distance: (L,) of self-collision [m], or (0,) without it.
+        self_distance: (L,) of self-collision [m], or (0,) without it.
     """
-    capsules, own = distance.size, on.size - own_distance.size
+    capsules, first_self = distance.size, on.size - self_distance.size
     rho = np.full(on.size, p.slack_weight)
-    rho[capsules:own] = p.slack_active_weight
+    rho[capsules:first_self] = p.slack_active_weight
     for first, distances, d_a, d_r in (
         (0, distance, p.d_a, p.d_r),
-        (own, own_distance, p.self_d_a, p.self_d_r),
+        (first_self, self_distance, p.self_d_a, p.self_d_r),
     ):
         slots = np.flatnonzero(on[first : first + distances.size])
         ramp = (d_a - distances[slots]) / (d_a - d_r)

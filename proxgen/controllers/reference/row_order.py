@@ -11,7 +11,7 @@ from proxgen.controllers.reference.avoidance import thresholds
 from proxgen.controllers.reference.baselines import DROPPED_AT, WIDTH
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.controllers.reference.relaxation import Ladder, dropping, slack_weights
-from proxgen.controllers.reference.self_collision import own_limits
+from proxgen.controllers.reference.self_collision import self_limits
 
 
 @dataclass(frozen=True)
@@ -23,14 +23,14 @@ class RowOrder:
         schedule: `paper` or `damper`.
         capsules: number of capsules L.
         active: whether there is an active row.
-        own: whether there is self-collision.
+        self_collision: whether there is self-collision.
     """
 
     method: str
     schedule: str
     capsules: int
     active: bool
-    own: bool
+    self_collision: bool
 
     @classmethod
     def of(cls, config: Config) -> "RowOrder":
@@ -41,7 +41,7 @@ class RowOrder:
             schedule=avoidance.schedule,
             capsules=len(config.capsules),
             active=avoidance.active.enabled,
-            own=bool(avoidance.self_collision.points),
+            self_collision=bool(avoidance.self_collision.points),
         )
 
     @property
@@ -49,14 +49,14 @@ class RowOrder:
         """Number of rows R."""
         if self.method != "proposed":
             return len(DROPPED_AT[self.method])
-        return self.capsules + self.active + (self.capsules if self.own else 0)
+        return self.capsules + self.active + (self.capsules if self.self_collision else 0)
 
-    def ladder(self, distance: Array, own_distance: Array, p: Parameters) -> Ladder:
+    def ladder(self, distance: Array, self_distance: Array, p: Parameters) -> Ladder:
         """What the stages do with each row.
 
         Args:
             distance: (L,) of the capsules [m].
-            own_distance: (L,) of self-collision [m], or (0,) without it.
+            self_distance: (L,) of self-collision [m], or (0,) without it.
             p: distances.
         """
         if self.method != "proposed":
@@ -64,8 +64,8 @@ class RowOrder:
         limits = thresholds(self.schedule, p)
         active = np.full(int(self.active), int(Status.REDUCED_ACTIVE))
         groups = [dropping(distance, limits.distant, limits.critical), active]
-        return Ladder(np.concatenate((*groups, dropping(own_distance, *own_limits(p)))))
+        return Ladder(np.concatenate((*groups, dropping(self_distance, *self_limits(p)))))
 
-    def weights(self, on: NDArray[np.bool_], distance: Array, own_distance: Array, p: Parameters) -> Array:
+    def weights(self, on: NDArray[np.bool_], distance: Array, self_distance: Array, p: Parameters) -> Array:
         """Weights ρ (R,) of the soft rows; arguments as those of `ladder`."""
-        return slack_weights(on, distance, p, own_distance)
+        return slack_weights(on, distance, p, self_distance)

@@ -20,7 +20,7 @@ from proxgen.model.robot_model import RobotModel
 
 
 @dataclass(frozen=True)
-class OwnNearest:
+class NearestSelf:
     """The nearest self-collision point of each capsule within self_d_a.
 
     Attributes:
@@ -51,7 +51,7 @@ class SelfPoints:
         self._radius = np.array([point.radius for point in points])
         self._paired = np.array([point.capsules for point in points]).T
 
-    def nearest(self, arm: Arm, capsules: Capsules, reach: float) -> OwnNearest:
+    def nearest(self, arm: Arm, capsules: Capsules, reach: float) -> NearestSelf:
         """For each of the L capsules the nearest of the points that are paired with it, the first of equals.
 
         Args:
@@ -68,7 +68,7 @@ class SelfPoints:
         kept = np.array([0 if index is None else index for index in found])
         there, slots = np.array([index is not None for index in found]), np.arange(len(found))
         least = length[slots, kept]
-        return OwnNearest(
+        return NearestSelf(
             distance=np.where(there, distance[slots, kept], np.inf),
             closest=on_axis[slots, kept],
             point=points[kept],
@@ -78,34 +78,34 @@ class SelfPoints:
         )
 
 
-def own_rows(arm: Arm, capsules: Capsules, own: OwnNearest, p: Parameters) -> tuple[Array, Array]:
+def self_rows(arm: Arm, capsules: Capsules, near_self: NearestSelf, p: Parameters) -> tuple[Array, Array]:
     """Rows d̂ᵀ(J_p - J_h) q̇ ≤ b, one slot per capsule.
 
     Args:
         arm: at its present position.
         capsules: L capsules.
-        own: their nearest self-collision points.
+        near_self: their nearest self-collision points.
         p: distances and speeds.
 
     Returns:
         A (L, n), zeros where off, and b (L,), OFF where off [m/s].
     """
-    A, b = np.zeros((len(own.distance), arm.n)), np.full(len(own.distance), OFF)
-    for slot in np.flatnonzero(np.isfinite(own.distance)).tolist():
-        link = arm.point_jacobian(int(capsules.body[slot]), own.closest[slot])
-        carried = arm.point_jacobian(int(own.carrier[slot]), own.point[slot])
-        row = own.direction[slot] @ (link - carried)
+    A, b = np.zeros((len(near_self.distance), arm.n)), np.full(len(near_self.distance), OFF)
+    for slot in np.flatnonzero(np.isfinite(near_self.distance)).tolist():
+        link = arm.point_jacobian(int(capsules.body[slot]), near_self.closest[slot])
+        carried = arm.point_jacobian(int(near_self.carrier[slot]), near_self.point[slot])
+        row = near_self.direction[slot] @ (link - carried)
         norm = float(np.linalg.norm(row))
         if norm >= SMALLEST_ROW:
-            A[slot], b[slot] = row, max(own_speed(float(own.distance[slot]), p), -p.row_speed * norm)
+            A[slot], b[slot] = row, max(self_speed(float(near_self.distance[slot]), p), -p.row_speed * norm)
     return A, b
 
 
-def own_speed(d: float, p: Parameters) -> float:
+def self_speed(d: float, p: Parameters) -> float:
     """Law (13) with the thresholds of self-collision [m/s]."""
     return approach_speed(d, (p.self_d_a, p.self_d_0u, p.self_d_0l, p.self_d_r), p)
 
 
-def own_limits(p: Parameters) -> tuple[float, float]:
+def self_limits(p: Parameters) -> tuple[float, float]:
     """Distances beyond which a self-collision row is distant, and not critical [m]."""
     return p.self_d_0u + SAME_DISTANCE, p.self_d_r + SAME_DISTANCE
