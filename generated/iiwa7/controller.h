@@ -40,11 +40,14 @@ extern "C" {
 #define IIWA7_GENERATOR_VERSION "0.1.0"
 #define IIWA7_CONFIG_HASH       "b8a83dc4c88fbe2f0b477bbbca65e1477d1832f2f55a8daa9f33a4f471c9fbc1"
 
-/* Stands for this interface: its version and every size in it. iiwa7_create refuses any other. */
+/* Stands for this interface: its version, every size in it. iiwa7_create refuses any other. Modulo 2^64;
+ * with an odd factor, one other size always makes another number, and several do but for one case in 2^64. */
+#define IIWA7_FACTOR 0x9E3779B97F4A7C15ULL
 /* clang-format off */
 #define IIWA7_INTERFACE                                                                                      \
-  (((((((unsigned long long)PG_ABI_VERSION * 64 + IIWA7_JOINTS) * 8 + IIWA7_TASK_ROWS) * 64 +                \
-      IIWA7_ROWS) * 4096 + IIWA7_TOF) * 4096 + IIWA7_CAPACITIVE) * 8192 + IIWA7_MAX_POINTS)
+  (((((((PG_ABI_VERSION * IIWA7_FACTOR + IIWA7_JOINTS) * IIWA7_FACTOR +                                      \
+        IIWA7_TASK_ROWS) * IIWA7_FACTOR + IIWA7_CAPSULES) * IIWA7_FACTOR + IIWA7_ROWS) * IIWA7_FACTOR +      \
+     IIWA7_TOF) * IIWA7_FACTOR + IIWA7_CAPACITIVE) * IIWA7_FACTOR + IIWA7_MAX_POINTS)
 /* clang-format on */
 
 /* What the skin, and other sources, saw. The controller reads it during the call and keeps no pointer. */

@@ -40,11 +40,14 @@ extern "C" {
 #define PLANAR2_GENERATOR_VERSION "0.1.0"
 #define PLANAR2_CONFIG_HASH       "f89bd6737be1df70509f3a913fbb0005eff0fa3850655ff441035e343ba75bc0"
 
-/* Stands for this interface: its version and every size in it. planar2_create refuses any other. */
+/* Stands for this interface: its version, every size in it. planar2_create refuses any other. Modulo 2^64;
+ * with an odd factor, one other size always makes another number, and several do but for one case in 2^64. */
+#define PLANAR2_FACTOR 0x9E3779B97F4A7C15ULL
 /* clang-format off */
 #define PLANAR2_INTERFACE                                                                                    \
-  (((((((unsigned long long)PG_ABI_VERSION * 64 + PLANAR2_JOINTS) * 8 + PLANAR2_TASK_ROWS) * 64 +            \
-      PLANAR2_ROWS) * 4096 + PLANAR2_TOF) * 4096 + PLANAR2_CAPACITIVE) * 8192 + PLANAR2_MAX_POINTS)
+  (((((((PG_ABI_VERSION * PLANAR2_FACTOR + PLANAR2_JOINTS) * PLANAR2_FACTOR +                                \
+        PLANAR2_TASK_ROWS) * PLANAR2_FACTOR + PLANAR2_CAPSULES) * PLANAR2_FACTOR + PLANAR2_ROWS) * PLANAR2_FACTOR +\
+     PLANAR2_TOF) * PLANAR2_FACTOR + PLANAR2_CAPACITIVE) * PLANAR2_FACTOR + PLANAR2_MAX_POINTS)
 /* clang-format on */
 
 /* What the skin, and other sources, saw. The controller reads it during the call and keeps no pointer. */

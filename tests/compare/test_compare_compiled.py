@@ -6,10 +6,11 @@ import pytest
 
 import proxgen
 from proxgen.compare import compare, compare_controllers_on, random_states
+from proxgen.config import load
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Status
 from proxgen.controllers.reference import ReferenceController
-from proxgen.model import RobotModel
+from proxgen.model import RobotModel, build_model
 
 
 def check(config: Config, model: RobotModel, folder: Path, backend: str, count: int) -> set[Status]:
@@ -37,6 +38,19 @@ def test_planar_arm_on_random_states(
 ) -> None:
     """Its switches stand for points at exactly d_0u, where rounding must not decide."""
     check(planar2_config, planar2_model, tmp_path / "built", backend, 2000)
+
+
+def test_an_arm_with_more_than_64_rows(planar2_config: Config, tmp_path: Path) -> None:
+    """Nothing anywhere counts on few capsules."""
+    capsules = "\n".join(
+        f"  - {{name: c{i}, frame: link_{1 + i % 2}, start: [{6 * i} mm, 0, 0], "
+        f"end: [{6 * i + 10} mm, 0, 0], radius: 30 mm}}"
+        for i in range(66)
+    )
+    path = tmp_path / "planar2.yaml"
+    path.write_text(f"extends: {planar2_config.source}\ncapsules:\n{capsules}\n")
+    config = load(path)
+    check(config, build_model(config), tmp_path / "built", "daqp", 200)
 
 
 @pytest.mark.slow
