@@ -117,15 +117,9 @@ def add_files(
 
 def _package_files(library: Path, robot: str, solver: Solver) -> None:
     """Render what `find_package` and pkg-config read."""
-    from jinja2 import Environment, PackageLoader, StrictUndefined
+    from proxgen.templates import environment
 
-    environment = Environment(
-        loader=PackageLoader("proxgen.builder"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
+    templates = environment("builder")
     context = {
         "robot": robot,
         "version": __version__,
@@ -141,4 +135,4 @@ def _package_files(library: Path, robot: str, solver: Solver) -> None:
     }
     for template, path in targets.items():
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(environment.get_template(template).render(context))
+        path.write_text(templates.get_template(template).render(context))

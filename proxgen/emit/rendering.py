@@ -2,8 +2,6 @@
 
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from proxgen import __version__
 from proxgen.emit import tables
 from proxgen.emit.folder import MARK
@@ -13,6 +11,7 @@ from proxgen.emit.manifest import MANIFEST, dimensions, render_manifest
 from proxgen.emit.signatures import Function, functions, shape_text
 from proxgen.emit.text import WIDTH, block_comment, identifier, number, plain, string
 from proxgen.program import ADDITIONS, Argument, Program, SelfPointEntry
+from proxgen.templates import environment
 
 ABI_VERSION = 1
 """What the runtime must be for code generated here: `PG_ABI_VERSION` of `proxgen/types.h`."""
@@ -44,17 +43,10 @@ def render(program: Program) -> dict[str, str]:
     """
     identifier(program.robot)
     all_functions = functions(program)
-    environment = Environment(
-        loader=PackageLoader("proxgen.emit"),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
+    templates = environment("emit")
     context = template_context(program, all_functions)
-    files = {name: tidy(environment.get_template(f"{name}.j2").render(context)) for name in _C_TEMPLATES}
-    files |= {name: environment.get_template(f"{name}.j2").render(context) for name in _OTHER_TEMPLATES}
+    files = {name: tidy(templates.get_template(f"{name}.j2").render(context)) for name in _C_TEMPLATES}
+    files |= {name: templates.get_template(f"{name}.j2").render(context) for name in _OTHER_TEMPLATES}
     files |= render_kernels(program, context["banner"])
     files[MANIFEST] = render_manifest(program, all_functions, mark(program), ABI_VERSION)
     return files

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
 from matplotlib.figure import Figure
 
 from proxgen.files import write_whole
 from proxgen.report import style
+from proxgen.templates import environment
 
 
 @dataclass(frozen=True)
@@ -109,11 +109,5 @@ def _encoded(path: Path) -> str:
 
 def write_page(path: Path, page: Page) -> Path:
     """Render the page and write it, whole or not at all."""
-    environment = Environment(
-        loader=PackageLoader("proxgen.report"),
-        autoescape=True,
-        undefined=StrictUndefined,
-        keep_trailing_newline=True,
-    )
-    text = environment.get_template("report.html.j2").render(vars(page))
+    text = environment("report").get_template("report.html.j2").render(vars(page))
     return write_whole(path, text)

@@ -3,9 +3,8 @@
 import json
 import re
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import jinja2
 import numpy as np
@@ -17,6 +16,7 @@ from proxgen.scaffold.chain import Arm, ArmJoint
 from proxgen.scaffold.cuffs import GAP, CuffProposal
 from proxgen.scaffold.names import shortened
 from proxgen.scaffold.scene import SceneProposal, Thresholds
+from proxgen.templates import environment
 
 WIDTH = 110
 _PLAIN = re.compile(r"^(\.{1,2}/)*[A-Za-z_/][A-Za-z0-9_./-]*$")
@@ -123,44 +123,36 @@ def render_robot(
         fill: what to write where the URDF gives nothing; blanks with a question by default.
     """
     covered = {capsule.frame for capsule in capsules}
-    return (
-        _environment()
-        .get_template("robot.yaml.j2")
-        .render(
-            sheet=sheet,
-            arm=arm,
-            capsules=capsules,
-            cuffs=cuffs,
-            fill=fill or Blanks(),
-            thresholds=sheet.thresholds,
-            gap_mm=f"{GAP * 1000.0:.0f}",
-            asked_positions=[joint for joint in arm.joints if joint.needs_position],
-            asked_velocities=[joint for joint in arm.joints if joint.needs_velocity],
-            limits_table=_limits_table(arm.joints),
-            branches=", ".join(f"{joint.name} ({number(joint.position)})" for joint in arm.branches),
-            mimics=", ".join(f"{name} (follows {leader})" for name, leader in arm.mimics),
-            hollow=", ".join(body.link for body in arm.bodies if body.link not in covered),
-        )
+    return _template("robot.yaml.j2").render(
+        sheet=sheet,
+        arm=arm,
+        capsules=capsules,
+        cuffs=cuffs,
+        fill=fill or Blanks(),
+        thresholds=sheet.thresholds,
+        gap_mm=f"{GAP * 1000.0:.0f}",
+        asked_positions=[joint for joint in arm.joints if joint.needs_position],
+        asked_velocities=[joint for joint in arm.joints if joint.needs_velocity],
+        limits_table=_limits_table(arm.joints),
+        branches=", ".join(f"{joint.name} ({number(joint.position)})" for joint in arm.branches),
+        mimics=", ".join(f"{name} (follows {leader})" for name, leader in arm.mimics),
+        hollow=", ".join(body.link for body in arm.bodies if body.link not in covered),
     )
 
 
 def render_scene(sheet: Sheet, arm: Arm, scene: SceneProposal, config_name: str, scene_name: str) -> str:
     """Text of the scene's file; both file names are shown in it."""
     speed = round(0.1 * sheet.scale, 3)
-    return (
-        _environment()
-        .get_template("scene.yaml.j2")
-        .render(
-            robot=sheet.robot,
-            name=shortened(sheet.robot, "_scene"),
-            config_name=config_name,
-            scene_name=scene_name,
-            scene=scene,
-            speed=speed,
-            period=float(np.ceil(2.0 * scene.visitor.distance / speed) + 5.0),
-            start=[(joint.name, position) for joint, position in zip(arm.joints, scene.start, strict=True)],
-            asked=any(joint.needs_position for joint in arm.joints),
-        )
+    return _template("scene.yaml.j2").render(
+        robot=sheet.robot,
+        name=shortened(sheet.robot, "_scene"),
+        config_name=config_name,
+        scene_name=scene_name,
+        scene=scene,
+        speed=speed,
+        period=float(np.ceil(2.0 * scene.visitor.distance / speed) + 5.0),
+        start=[(joint.name, position) for joint, position in zip(arm.joints, scene.start, strict=True)],
+        asked=any(joint.needs_position for joint in arm.joints),
     )
 
 
@@ -222,19 +214,7 @@ def _one_line(text: str) -> str:
     return " ".join(text.split())
 
 
-def _environment() -> jinja2.Environment:
-    """Templates beside this file; a name that does not exist is an error."""
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(Path(__file__).parent / "templates"),
-        undefined=jinja2.StrictUndefined,
-        keep_trailing_newline=True,
-        autoescape=False,
-    )
-    filters: Iterable[tuple[str, object]] = (
-        ("number", number),
-        ("vector", vector),
-        ("scalar", scalar),
-        ("comment", comment),
-    )
-    environment.filters.update(filters)
-    return environment
+def _template(name: str) -> jinja2.Template:
+    """A template of this room, with the formats above."""
+    formats = environment("scaffold", number=number, vector=vector, scalar=scalar, comment=comment)
+    return formats.get_template(name)

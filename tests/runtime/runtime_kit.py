@@ -7,11 +7,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
-
 from proxgen.builder.solvers import find_solver
 from proxgen.builder.toolchain import find_toolchain, run, run_all
 from proxgen.program import ADDITIONS
+from proxgen.templates import environment
 
 ROOT = Path(__file__).resolve().parents[2]
 RUNTIME = ROOT / "runtime"
@@ -144,14 +143,6 @@ class Kit:
 
 def render_header(name: str, robot: str, additions: tuple[str, ...] = ()) -> str:
     """A public header for the hand-written arm, from the template of the generated ones."""
-    loader = PackageLoader("proxgen.emit")
-    environment = Environment(
-        loader=loader,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
     values = {
         "robot": robot,
         "X": robot.upper(),
@@ -161,4 +152,4 @@ def render_header(name: str, robot: str, additions: tuple[str, ...] = ()) -> str
         "additions": additions,
         "additions_mask": sum(1 << ADDITIONS.index(addition) for addition in additions),
     }
-    return environment.get_template(f"{name}.j2").render(values)
+    return environment("emit").get_template(f"{name}.j2").render(values)
