@@ -7,12 +7,13 @@
 //   - the limit of working-set changes is an in-out argument, and reaching it is a failure;
 //   - after a failure or an infeasible QP the object has to be reset, or later cycles fail too;
 //   - it may write into the Hessian that it is given, so it gets a copy;
-//   - what it may print is one setting for the whole process, which others change;
+//   - what it may print, and where to, are settings for the whole process, which others change;
 //   - it allocates in every call: this back end is never free of heap use.
 #include "solver.h"
 
 #include <qpOASES.hpp>
 
+#include <cstdio>
 #include <cstring>
 #include <new>
 
@@ -41,6 +42,16 @@ void silence() {
   messages->setErrorVisibilityStatus(qpOASES::VS_HIDDEN);
   messages->setWarningVisibilityStatus(qpOASES::VS_HIDDEN);
   messages->setInfoVisibilityStatus(qpOASES::VS_HIDDEN);
+}
+
+// Another thread may switch it on between that and the message. So what is printed goes nowhere: not now, and
+// not after a destructor, which sends it back to stdFile.
+void discard_messages() {
+  static std::FILE *const nowhere =
+      qpOASES::stdFile == stdout || qpOASES::stdFile == stderr ? std::fopen("/dev/null", "w") : nullptr;
+  if (!nowhere || qpOASES::stdFile == nowhere) return;
+  qpOASES::stdFile = nowhere;
+  qpOASES::getGlobalMessageHandler()->setOutputFile(nowhere);
 }
 
 // Lets the multipliers be read when there is no solution.
@@ -127,6 +138,7 @@ const char pg_solver_name[] = "qpoases";
 pg_status_t pg_solver_create(void *memory, pg_solver_t **solver) {
   (void)memory; // qpOASES objects live on the heap
   try {
+    discard_messages();
     *solver = new pg_solver();
   } catch (...) {
     return PG_ERROR_MEMORY;
