@@ -127,6 +127,11 @@ class ReproduceError(ProxgenError):
         super().__init__("\n".join([message, *(f"  {name}: {why}" for name, why in failures.items())]))
 
 
+def shortened(text: str) -> str:
+    """At most 60 characters of what a user wrote: a message is not to be buried below it."""
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
 def nearest_name(name: str, allowed: Iterable[str]) -> str | None:
     """The allowed name that `name` was probably meant to be, or None if nothing is close."""
     close = get_close_matches(name, list(allowed), n=1, cutoff=0.6)
@@ -138,4 +143,4 @@ def unknown_name(kind: str, name: str, allowed: Iterable[str]) -> str:
     names = sorted(set(allowed))
     nearest = nearest_name(name, names)
     hint = f"; did you mean '{nearest}'?" if nearest else ""
-    return f"unknown {kind} '{name}'{hint} (allowed: {', '.join(names) if names else 'none'})"
+    return f"unknown {kind} '{shortened(name)}'{hint} (allowed: {', '.join(names) if names else 'none'})"

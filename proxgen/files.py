@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
 
@@ -33,8 +33,13 @@ def whole_file(path: Path) -> Iterator[BinaryIO]:
         if path.exists():
             part.chmod(path.stat().st_mode & 0o7777)
         part.replace(path)
+    except OSError as error:
+        if error.filename == str(part):  # nobody knows the part's name
+            error.filename, error.filename2 = str(path), None
+        raise
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):  # what failed before is what matters
+            part.unlink()
 
 
 def write_whole(path: Path, content: bytes | str) -> Path:

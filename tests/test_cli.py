@@ -11,6 +11,8 @@ import pytest
 from proxgen import __version__
 from proxgen.cli import files, main
 from proxgen.cli.output import columns, progress_bar, write_json
+from proxgen.cli.runs import SCENES
+from proxgen.config.scene import scene_names
 from proxgen.errors import BuildError, ProxgenWarning
 
 ROOT = Path(__file__).parent.parent
@@ -49,138 +51,15 @@ def test_help_of_a_verb_says_what_it_does(capsys: pytest.CaptureFixture[str]) ->
     assert "\n\nGenerate and compile the controller.\n\n" in capsys.readouterr().out
 
 
+def test_help_names_the_scenes(capsys: pytest.CaptureFixture[str]) -> None:
+    assert list(SCENES) == scene_names()
+    assert main(["run", "--help"]) == 0
+    assert "facing, gap, moving, pillar, post" in capsys.readouterr().out
+
+
 def test_no_words_at_all_is_help_and_a_mistake(capsys: pytest.CaptureFixture[str]) -> None:
     assert main([]) == 2
     assert "verbs:" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["chek"], f"proxgen: unknown verb 'chek'; did you mean 'check'? (allowed: {VERBS})"),
-        (["fly"], f"proxgen: unknown verb 'fly' (allowed: {VERBS})"),
-        (
-            ["--verion"],
-            "proxgen: unknown flag '--verion'; did you mean '--version'? (allowed: --help, --version)",
-        ),
-        (
-            ["check", "a.yaml", "--explan"],
-            "proxgen check: unknown flag '--explan'; did you mean '--explain'? (allowed: --explain, --help)",
-        ),
-        (
-            ["build", "a.yaml", "--backed=daqp"],
-            "proxgen build: unknown flag '--backed'; did you mean '--backend'? "
-            "(allowed: --backend, --help, --output)",
-        ),
-        (["check"], "proxgen check: the following arguments are required: CONFIG"),
-        (["check", "a.yaml", "b.yaml"], "proxgen check: unexpected argument 'b.yaml'"),
-        (["run", "a.yaml"], "proxgen run: the following arguments are required: --scene"),
-        (
-            ["build", "a.yaml", "--backend", "dacp"],
-            "proxgen build: argument --backend: unknown back end 'dacp'; did you mean 'daqp'? "
-            "(allowed: daqp, qpoases)",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--controller", "refrence"],
-            "proxgen run: argument --controller: unknown controller 'refrence'; did you mean 'reference'? "
-            "(allowed: compiled, reference, repulsive, tangential)",
-        ),
-        (
-            ["compare", "a.yaml", "--sensing", "exact"],
-            "proxgen compare: argument --sensing: unknown sensing 'exact' (allowed: ideal, skin)",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--duration", "-1"],
-            "proxgen run: argument --duration: -1 is out of range "
-            "(allowed: greater than 0 and at most 1e+06 s)",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--duration", "long"],
-            "proxgen run: argument --duration: expected a time (a number in s, or with one of the units "
-            "s, ms, us), found 'long'",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--plant", "dynamc"],
-            "proxgen run: argument --plant: unknown plant 'dynamc'; did you mean 'dynamic'? "
-            "(allowed: dynamic, kinematic)",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--latency", "20 ms"],
-            "proxgen run: --latency is the control cabinet's; it needs --plant dynamic",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--sensing", "ideal", "--dropout", "0.1"],
-            "proxgen run: --dropout is of the skin's sensors; it needs --sensing skin",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--noise", "5 deg"],
-            "proxgen run: argument --noise: unit 'deg' does not measure a length (allowed: m, cm, mm)",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--dropout", "1"],
-            "proxgen run: argument --dropout: 1 is out of range (allowed: at least 0 and less than 1)",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--seed", "1.5"],
-            "proxgen run: argument --seed: expected a whole number from 0, found '1.5'",
-        ),
-        (
-            ["bench", "--replays", "0"],
-            "proxgen bench: argument --replays: expected a whole number from 1, found '0'",
-        ),
-        # before an hour's work, not after it
-        (
-            ["run", "a.yaml", "--scene", "gap", "--film", "film.mp4"],
-            "proxgen run: argument --film: expected a name that ends in .gif or .webp, found 'film.mp4'",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--json", "."],
-            "proxgen run: argument --json: . is a folder; a file is needed",
-        ),
-        (
-            ["run", "a.yaml", "--scene", "gap", "--json", "/dev/null/a.json"],
-            "proxgen run: argument --json: /dev/null is a file; a folder is needed",
-        ),
-        (
-            ["compare", "a.yaml", "--out", "/dev/null"],
-            "proxgen compare: argument --out: /dev/null is a file; a folder is needed",
-        ),
-    ],
-)
-def test_a_mistake_in_the_words(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(words) == 2
-    first, *usage = capsys.readouterr().err.splitlines()
-    assert first == message
-    assert usage[0].startswith("usage: proxgen")
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (["check", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
-        (["generate", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
-        (["build", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
-        (["run", "none.yaml", "--scene", "gap"], "none.yaml: the file does not exist\n1 problem\n"),
-        (["compare", "none.yaml"], "none.yaml: the file does not exist\n1 problem\n"),
-        (
-            ["run", PLANAR2, "--scene", "pots"],
-            "pots: unknown scene 'pots'; did you mean 'post'? (allowed: facing, gap, moving, pillar, post)\n"
-            "1 problem\n",
-        ),
-        (
-            ["compare", PLANAR2, "--scene", "my.yaml"],
-            "my.yaml: the file does not exist\n1 problem\n",
-        ),
-        (
-            ["run", PLANAR2, "--scene", "gap.yaml"],
-            "gap.yaml: the file does not exist; the scene 'gap' is named without an ending\n1 problem\n",
-        ),
-    ],
-)
-def test_a_file_that_is_not_there(words: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(words) == 2
-    assert capsys.readouterr().err == message
-    assert list(Path().iterdir()) == []
 
 
 def test_check(capsys: pytest.CaptureFixture[str]) -> None:
@@ -252,16 +131,6 @@ def test_a_reader_that_stops_early_is_no_failure() -> None:
     command = f"'{sys.executable}' -m proxgen schema | head -n 1"
     result = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=True)
     assert (result.stdout, result.stderr) == ("{\n", "")
-
-
-def test_an_output_that_cannot_be_written_is_said(capsys: pytest.CaptureFixture[str]) -> None:
-    Path("file").write_text("")
-    words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "0.1"]
-    assert main([*words, "--json", "file/run.json"]) == 2
-    told = capsys.readouterr()
-    assert told.err.startswith("proxgen run: argument --json: file is a file; a folder is needed\n")
-    assert told.out == ""  # said before the run
-    assert [path.name for path in Path().iterdir()] == ["file"]
 
 
 def test_run_with_the_reference_writes_what_was_asked_for(capsys: pytest.CaptureFixture[str]) -> None:

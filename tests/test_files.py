@@ -51,6 +51,13 @@ def test_an_error_leaves_the_old_file_and_nothing_else(
     assert [file.name for file in tmp_path.iterdir()] == ["file"]
 
 
+def test_an_error_names_the_file_and_not_its_part(tmp_path: Path) -> None:
+    path = tmp_path / ("n" * 250)  # the part's name is longer still: too long, whoever writes
+    with pytest.raises(OSError, match="File name too long") as caught:
+        write_whole(path, "new")
+    assert (caught.value.filename, caught.value.filename2) == (str(path), None)
+
+
 @pytest.mark.usefixtures("group_writes")
 def test_a_new_file_has_the_umask_s_mode_and_an_old_one_keeps_its_own(tmp_path: Path) -> None:
     path = write_whole(tmp_path / "file", "new")

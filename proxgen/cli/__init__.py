@@ -9,6 +9,9 @@ from typing import TextIO
 from proxgen.cli.parser import parse
 from proxgen.errors import ConfigError, ProxgenError
 
+MOST_PROBLEMS = 100
+"""So many are printed; more come from a file that is something else, or from one mistake many times."""
+
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Carry out one command.
@@ -34,8 +37,7 @@ def _main(argv: Sequence[str]) -> int:
     except SystemExit as request:  # of argparse, after it has said why
         return request.code if isinstance(request.code, int) else 1
     except ConfigError as error:
-        count = len(error.problems)
-        return _fail(f"{error}\n{count} problem{'s' if count != 1 else ''}", error.exit_status)
+        return _fail(_listed(error), error.exit_status)
     except ProxgenError as error:
         return _fail(f"proxgen: {error}", error.exit_status)
     except BrokenPipeError:  # the reader, such as head, has seen enough
@@ -46,6 +48,14 @@ def _main(argv: Sequence[str]) -> int:
         return _fail(f"proxgen: {told}", 1)
     except KeyboardInterrupt:
         return _fail("proxgen: interrupted", 130)
+
+
+def _listed(error: ConfigError) -> str:
+    """Problems, a line each, and how many; where there are very many, the first ones."""
+    count = len(error.problems)
+    lines = [str(problem) for problem in error.problems[:MOST_PROBLEMS]]
+    shown = f"; these are the first {MOST_PROBLEMS}" if count > MOST_PROBLEMS else ""
+    return "\n".join([*lines, f"{count} problem{'s' if count != 1 else ''}{shown}"])
 
 
 def _fail(message: str, status: int) -> int:

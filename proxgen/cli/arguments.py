@@ -85,6 +85,8 @@ def count(text: str) -> int:
 def new_file(text: str) -> Path:
     """A file to be written; what keeps it from being written is said before the work, not after it."""
     path = Path(text)
+    if text == "-":
+        raise argparse.ArgumentTypeError("'-' is no file; /dev/stdout is standard output")
     if path.is_dir():
         raise argparse.ArgumentTypeError(f"{path} is a folder; a file is needed")
     if path.is_file() or not path.exists():

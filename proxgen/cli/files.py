@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from proxgen.cli.arguments import add_config, one_of
+from proxgen.cli.arguments import add_config, new_file, new_folder, one_of
 from proxgen.cli.output import columns, shown_path
 
 BACKENDS = ("qpoases", "daqp")
@@ -16,12 +16,14 @@ def add_verbs(verbs: Any) -> None:
     init = verbs.add_parser("init", help="write a first YAML file, and a first scene, for any URDF")
     init.add_argument("urdf", metavar="URDF", help="a path, or package://PACKAGE/path in a Python package")
     init.add_argument("--tool", required=True, metavar="FRAME", help="the frame whose motion is the task")
-    init.add_argument("-o", "--output", type=Path, metavar="FILE", help="default: ROBOT.yaml in this folder")
+    init.add_argument(
+        "-o", "--output", type=new_file, metavar="FILE", help="default: ROBOT.yaml in this folder"
+    )
     init.add_argument("--force", action="store_true", help="replace files that exist")
     init.set_defaults(carry_out=carry_out_init)
 
     check = verbs.add_parser("check", help="find all mistakes in the YAML file of a robot or a scene")
-    add_config(check)
+    check.add_argument("config", metavar="FILE", type=Path, help="the YAML file of a robot or of a scene")
     check.add_argument(
         "--explain", action="store_true", help="print every value in use and where it comes from"
     )
@@ -36,13 +38,15 @@ def add_verbs(verbs: Any) -> None:
     generate = verbs.add_parser("generate", help="generate the controller's C code")
     add_config(generate)
     generate.add_argument(
-        "-o", "--output", type=Path, metavar="DIR", help="default: generated/ROBOT in this folder"
+        "-o", "--output", type=new_folder, metavar="DIR", help="default: generated/ROBOT in this folder"
     )
     generate.set_defaults(carry_out=carry_out_generate)
 
     build = verbs.add_parser("build", help="generate and compile the controller")
     add_config(build)
-    build.add_argument("-o", "--output", type=Path, metavar="DIR", help="default: build/ROBOT in this folder")
+    build.add_argument(
+        "-o", "--output", type=new_folder, metavar="DIR", help="default: build/ROBOT in this folder"
+    )
     build.add_argument(
         "--backend",
         type=one_of("back end", BACKENDS),

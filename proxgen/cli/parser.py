@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Sequence
+from itertools import takewhile
 from typing import Any, NoReturn
 
 from proxgen import __version__
@@ -12,15 +13,24 @@ GROUPS = (files, runs, reproducing, measuring)
 """Modules of verbs; each adds its own to the parser, and imports what a verb needs when it is carried out."""
 
 DESCRIPTION = "From one YAML file to a compiled, certified collision-avoidance controller for any serial arm."
-EPILOG = "Exit status: 0 done, 1 failed (a comparison's verdict among others), 2 wrong input."
+EPILOG = """\
+from nothing to a controller that avoids:
+  proxgen init my_robot.urdf --tool FRAME    writes a first YAML file, and a scene
+  proxgen check ROBOT.yaml                   all mistakes at once
+  proxgen run ROBOT.yaml --scene gap --out out/gap
+
+`proxgen VERB --help` says more of each verb; docs/configuration.md has every key of the file.
+Exit status: 0 done, 1 failed (a comparison's verdict among others), 2 wrong input.
+"""
 
 
 class Parser(argparse.ArgumentParser):
     """argparse, but a name that does not exist is answered with the nearest one that does."""
 
     def __init__(self, **options: object) -> None:
-        """Abbreviated flags are refused: they would change their meaning when a flag is added."""
-        super().__init__(**(options | {"allow_abbrev": False}))  # type: ignore[arg-type]
+        """No abbreviated flags, as a new flag would change their meaning; lines stay as they are."""
+        kept = {"allow_abbrev": False, "formatter_class": argparse.RawDescriptionHelpFormatter}
+        super().__init__(**(options | kept))  # type: ignore[arg-type]
 
     @property
     def flags(self) -> list[str]:
@@ -68,10 +78,20 @@ def parse(argv: Sequence[str]) -> argparse.Namespace:
     first = argv[0]
     if not first.startswith("-") and first not in verbs:
         parser.error(unknown_name("verb", first, verbs))
-    arguments, rest = parser.parse_known_args(argv)
     verb = verbs.get(first, parser)
+    for word in takewhile(lambda word: word != "--", argv):
+        if word.startswith("--"):  # before argparse says what is missing, which is often what was misspelt
+            _refuse_unknown(word, verb)
+    arguments, rest = parser.parse_known_args(argv)
     for word in rest:
         if word.startswith("-"):
-            verb.error(unknown_name("flag", word.partition("=")[0], verb.flags))
+            _refuse_unknown(word, verb)
         verb.error(f"unexpected argument '{word}'")
     return arguments
+
+
+def _refuse_unknown(word: str, verb: Parser) -> None:
+    """A flag that a verb does not have is a mistake; exit status 2."""
+    name = word.partition("=")[0]
+    if name not in verb.flags:
+        verb.error(unknown_name("flag", name, verb.flags))

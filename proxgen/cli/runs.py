@@ -35,13 +35,20 @@ METHODS = ("repulsive", "tangential")
 
 CONTROLLERS = ("compiled", "reference", *METHODS)
 PLANTS = ("kinematic", "dynamic")
+SCENES = ("facing", "gap", "moving", "pillar", "post")
+"""What `--help` names; those in `scenes` beside the robot's file are found by name, too."""
 
 
 def add_verbs(verbs: Any) -> None:
     """Add the verbs of this module to the parser."""
     run = verbs.add_parser("run", help="let a controller move the arm through a scene, in simulation")
     add_config(run)
-    run.add_argument("--scene", required=True, metavar="NAME|FILE", help="such as gap, or my_scene.yaml")
+    run.add_argument(
+        "--scene",
+        required=True,
+        metavar="NAME|FILE",
+        help=f"{', '.join(SCENES)}, or a file such as my_scene.yaml",
+    )
     run.add_argument(
         "--controller",
         type=one_of("controller", CONTROLLERS),

@@ -28,6 +28,7 @@ class Keys:
         """Take the schema from the model; `extends` is dealt with before the model sees the file."""
         self.root: Schema = model.model_json_schema()
         self.root["properties"] = {EXTENDS: EXTENDS_SCHEMA} | self.root["properties"]
+        self._homes: dict[str, list[str]] | None = None  # sections by key, made when first asked for
 
     def resolved(self, schema: Schema) -> Schema:
         """The schema with a reference followed; what stands beside the reference wins."""
@@ -78,7 +79,12 @@ class Keys:
 
     def homes_of(self, name: str) -> list[str]:
         """Sections, as dotted paths with `[]` for list items, that have a key of this name."""
-        return [path for path, schema in self.sections() if name in schema["properties"]]
+        if self._homes is None:
+            self._homes = {}
+            for path, schema in self.sections():
+                for key in schema["properties"]:
+                    self._homes.setdefault(key, []).append(path)
+        return list(self._homes.get(name, ()))
 
     def sections(self) -> Iterator[tuple[str, Schema]]:
         """Every section with its dotted path, in the order of the schema; the root is ``''``."""

@@ -1,6 +1,6 @@
 """Load a robot's YAML file: everything that is wrong with it is found and reported at once."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -42,6 +42,8 @@ def load(path: str | Path) -> Config:
     problems = list(document.problems)
     if document.root is None:
         raise ConfigError(problems)
+    if _has_a_scene(document.root.value):
+        raise ConfigError([Problem(path, 0, "", "this is a scene; the YAML file of a robot is needed here")])
     data, origin = document.root.plain(), Origin(path, document.root.marks())
     config, found = validate(data, Config, origin)
     problems += found
@@ -56,7 +58,12 @@ def load(path: str | Path) -> Config:
 def is_scene(path: str | Path) -> bool:
     """Whether a file looks like a scene rather than a robot, so that it can be checked as what it is."""
     root = read_yaml(Path(path)).root
-    return root is not None and "robot" not in root.value and bool({"obstacles", "targets"} & set(root.value))
+    return root is not None and _has_a_scene(root.value)
+
+
+def _has_a_scene(values: Mapping[str, Any]) -> bool:
+    """Whether these are the keys of a scene, and none of a robot."""
+    return "robot" not in values and bool({"obstacles", "targets"} & set(values))
 
 
 def validate(data: Any, model: type[AnySection], origin: Origin) -> tuple[AnySection | None, list[Problem]]:

@@ -25,14 +25,14 @@ def problems_of(error: ValidationError, data: Any, model: type[BaseModel], origi
         origin: where the data were written.
     """
     keys = keys_of(model)
-    problems: list[Problem] = []
+    problems: dict[Problem, None] = {}
     for details in error.errors(include_url=False):
         if details["type"] == CONTRADICTION:
             found = _contradictions(details, _path(details, data), origin)
         else:
             found = _mistake(details, _path(details, data), data, keys, origin)
-        problems += [problem for problem in found if problem not in problems]
-    return problems
+        problems |= dict.fromkeys(found)
+    return list(problems)
 
 
 def contradictions_besides(
@@ -133,9 +133,9 @@ def _sentence(error: ErrorDetails, path: Parts, data: Any, keys: Keys) -> str:
             return f"expected a name or text, found {describe_value(value)}"
         case "string_pattern_mismatch":
             rule = "a name begins with a lower-case letter; then lower-case letters, digits and _ follow"
-            return f"'{value}' is not allowed: {rule}"
+            return f"{describe_value(value)} is not allowed: {rule}"
         case "string_too_long":
-            return f"'{value}' is too long: at most {error['ctx']['max_length']} characters"
+            return f"{describe_value(value)} is too long: at most {error['ctx']['max_length']} characters"
         case "model_type" | "model_attributes_type" | "dict_type":
             return f"expected {_mapping_words(path, keys)}, found {describe_value(value)}"
         case "tuple_type" | "list_type" | "too_long" | "too_short":

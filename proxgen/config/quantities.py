@@ -14,6 +14,8 @@ from typing import Any, ClassVar
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
+from proxgen.errors import shortened
+
 DEGREE = math.pi / 180.0
 
 _NUMBER_AND_UNIT = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([A-Za-z/^0-9]*)\s*$")
@@ -86,7 +88,7 @@ class Quantity:
             allowed = (
                 f"allowed: {', '.join(self.units)}" if self.units else "allowed: none, it is a pure number"
             )
-            raise ValueError(f"unit '{unit}' does not measure {self._a_kind()} ({allowed})")
+            raise ValueError(f"unit '{shortened(unit)}' does not measure {self._a_kind()} ({allowed})")
         return number, unit or self.si_unit
 
     def _a_kind(self) -> str:
@@ -277,5 +279,4 @@ def describe_value(value: Any) -> str:
         return "a mapping"
     if isinstance(value, list | tuple):
         return f"a list of {len(value)}" if value else "an empty list"
-    text = f"{value}" if isinstance(value, int | float) else f"'{value}'"
-    return text if len(text) <= 60 else f"{text[:57]}..."
+    return shortened(f"{value}" if isinstance(value, int | float) else f"'{value}'")

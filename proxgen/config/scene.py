@@ -199,6 +199,10 @@ def load_scene(name: str | Path, beside: Path | None = None) -> Scene:
     problems = list(document.problems)
     if document.root is None:
         raise ConfigError(problems)
+    if "robot" in document.root.value:
+        raise ConfigError(
+            [Problem(path, 0, "", "this is a robot's file; the YAML file of a scene is needed here")]
+        )
     origin, data = Origin(path, document.root.marks()), document.root.plain()
     if isinstance(data.get("targets"), str):
         data["targets"], found = read_trajectory(origin.mark("targets").file.parent / data["targets"])

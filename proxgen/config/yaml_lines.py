@@ -226,11 +226,24 @@ def _shown(tag: str) -> str:
     return tag.replace(_TAG, "!!")
 
 
+def _misplaced(problem: str, column: int, begin: yaml.Mark) -> str:
+    """What neither continues a section, which begins at a mark, nor ends it."""
+    section = f"the section that begins in line {begin.line + 1}"
+    if column != begin.column:
+        return f"indented by {column} spaces, but the keys of {section} by {begin.column}"
+    found = "a list item ('-')" if "'-'" in problem else problem.partition("found ")[2] or problem
+    return f"{found} among the keys of {section}"
+
+
 def _syntax_problem(error: yaml.MarkedYAMLError, file: Path) -> Problem:
     """PyYAML's account of a syntax error, in one sentence."""
-    mark = error.problem_mark or error.context_mark
+    mark, begin = error.problem_mark or error.context_mark, error.context_mark
     message = f"not valid YAML: {error.problem or error.context}"
-    if "character '\\t'" in message:
+    if error.context == "while parsing a block mapping" and mark and begin:
+        message = f"not valid YAML: {_misplaced(f'{error.problem}', mark.column, begin)}"
+    elif error.problem == "could not find expected ':'" and begin:
+        mark, message = begin, "not valid YAML: no ':' after the key"
+    elif "character '\\t'" in message:
         message = "not valid YAML: a tab; indentation must be made of spaces"
     elif "mapping values are not allowed" in message:
         message += " (a ':' too many, or the indentation is wrong)"

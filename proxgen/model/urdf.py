@@ -176,7 +176,7 @@ def frame_named(model: Any, name: str) -> Any:
 
 def unknown_frame(model: Any, name: str) -> str:
     """The sentence for a frame that the URDF lacks. Long lists are cut to the nearest name and a count."""
-    frames = [frame.name.removesuffix(LINK) for frame in model.frames]
+    frames = [frame.name.removesuffix(LINK) for frame in model.frames[1:]]  # the first is Pinocchio's own
     nearest = nearest_name(name, frames)
     if len(frames) <= 24:
         return unknown_name("frame", name, frames)

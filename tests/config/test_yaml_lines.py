@@ -77,6 +77,26 @@ def test_an_alias_stands_for_its_value() -> None:
             "(a ':' too many, or the indentation is wrong)",
         ),
         (
+            "a:\n  b: 1\n   c: 2\n",
+            "f.yaml:3: not valid YAML: mapping values are not allowed here "
+            "(a ':' too many, or the indentation is wrong)",
+        ),
+        (
+            "a:\n  b: {c: 1}\n   d: 2\n",
+            "f.yaml:3: not valid YAML: indented by 3 spaces, "
+            "but the keys of the section that begins in line 2 by 2",
+        ),
+        (
+            "a:\n  b: 1\n - c\n",
+            "f.yaml:3: not valid YAML: indented by 1 spaces, "
+            "but the keys of the section that begins in line 1 by 0",
+        ),
+        (
+            "a: 1\n- b\n",
+            "f.yaml:2: not valid YAML: a list item ('-') among the keys of the section that begins in line 1",
+        ),
+        ("a:\n  b: 1\n  c 1\n  d: 2\n", "f.yaml:3: not valid YAML: no ':' after the key"),
+        (
             "a:\n  [1, 2\nb: 3\n",
             "f.yaml:3: not valid YAML: expected ',' or ']', but got ':' "
             "(while parsing a flow sequence, which begins in line 2)",
