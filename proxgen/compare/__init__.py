@@ -8,7 +8,8 @@ from proxgen.compare.closed_loop import compare
 from proxgen.compare.comparison import Comparison, SceneComparison
 from proxgen.compare.judge import Judge, Tolerances
 from proxgen.compare.open_loop import compare_controllers_on
-from proxgen.compare.states import State, random_states
+from proxgen.compare.state import State
+from proxgen.compare.states import random_states
 
 __all__ = [
     "Comparison",

@@ -4,19 +4,16 @@ A memory fills, and a tool is stuck, only where one state follows from the last.
 """
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from proxgen.compare.state import State
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array, Measurement
 from proxgen.controllers.reference.geometry import Capsules
 from proxgen.controllers.reference.kinematics import Arm
 from proxgen.controllers.reference.places import Places
 from proxgen.model.robot_model import RobotModel
-
-if TYPE_CHECKING:
-    from proxgen.compare.states import State
 
 MEAN_TIME = 1.2
 """Of a situation that lasts [s]."""
@@ -32,9 +29,7 @@ def duration(config: Config, rng: np.random.Generator) -> int:
     return int(rng.geometric(1.0 / (MEAN_TIME * config.control.rate))) if rng.random() < 0.1 else 1
 
 
-def next_of(
-    state: "State", config: Config, model: RobotModel, time: float, rng: np.random.Generator
-) -> "State":
+def next_of(state: State, config: Config, model: RobotModel, time: float, rng: np.random.Generator) -> State:
     """The state after one that lasts: the arm has moved a little, and sensors read about the same."""
     allowed = 0.9 * config.limits.tolerance
     moved = state.q + rng.normal(scale=1e-3, size=model.n)

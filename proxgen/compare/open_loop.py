@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from proxgen.compare.closed_loop import tell
 from proxgen.compare.comparison import Comparison, Record
 from proxgen.compare.judge import Judge, Tolerances
-from proxgen.compare.states import State
+from proxgen.compare.state import State
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Controller
 

@@ -7,12 +7,13 @@ With a memory or circulation some situations last, and sensors read the arm itse
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from proxgen.compare import lasting
+from proxgen.compare.state import State
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array, Measurement
 from proxgen.model.kinematics import body_poses
@@ -27,23 +28,6 @@ FOLDED = 0.7
 
 SEARCH = 60
 """Postures that are tried until an arm is folded as wanted."""
-
-
-@dataclass(frozen=True)
-class State:
-    """The input of one cycle.
-
-    Attributes:
-        q: (n,) joint positions [rad or m].
-        xdot: (m,) task velocity [m/s, rad/s].
-        measurement: what the sensors saw.
-        reset: the controllers are reset before.
-    """
-
-    q: Array
-    xdot: Array
-    measurement: Measurement
-    reset: bool = False
 
 
 def random_states(

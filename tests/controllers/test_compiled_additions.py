@@ -11,7 +11,7 @@ from reference_tools import EXAMPLES
 
 from proxgen.builder import build
 from proxgen.compare import compare_controllers_on, random_states
-from proxgen.compare.states import State
+from proxgen.compare.state import State
 from proxgen.config import load
 from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
