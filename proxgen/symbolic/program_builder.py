@@ -7,10 +7,11 @@ from proxgen.config.hashing import config_hash
 from proxgen.config.schema import Config
 from proxgen.model import RobotModel
 from proxgen.model.robot_model import Array, SensorModule
-from proxgen.program import CapsuleEntry, Kernel, Parameter, Program, SelfPointEntry, SensorEntry
+from proxgen.program import CapsuleEntry, Program, SelfPointEntry, SensorEntry
 from proxgen.symbolic import kernels
 from proxgen.symbolic.additions import memory, self_measurement
 from proxgen.symbolic.parameters import parameters
+from proxgen.symbolic.self_collision import self_kernels
 
 
 def build_program(config: Config, model: RobotModel) -> Program:
@@ -48,7 +49,7 @@ def build_program(config: Config, model: RobotModel) -> Program:
             kernels.slack_kernel(by_name),
             kernels.objective_kernel(model, by_name),
             kernels.bounds_kernel(model, by_name),
-            *_self_kernels(config, model, bodies, by_name),
+            *self_kernels(config, model, bodies, by_name),
         ),
         parameters=settable,
         capsules=_capsule_table(model, bodies),
@@ -73,26 +74,6 @@ def carrying_bodies(model: RobotModel) -> list[int]:
     """Pinocchio joints that carry a capsule, a sensor or a self point, in order: rows of `body_to_world`."""
     capsules, modules, points = model.capsules, model.modules, model.self_points
     return sorted({c.body for c in capsules} | {m.body for m in modules} | {p.body for p in points})
-
-
-def _self_kernels(
-    config: Config, model: RobotModel, bodies: list[int], by_name: dict[str, Parameter]
-) -> list[Kernel]:
-    """Kernels of self-collision: rows for the bodies of all pairs, the law, the weight of soft rows."""
-    if not model.self_points:
-        return []
-    pairs = {
-        (capsule.body, point.body)
-        for point in model.self_points
-        for capsule, paired in zip(model.capsules, point.capsules, strict=True)
-        if paired
-    }
-    rows = [
-        kernels.self_row_kernel(model, (bodies.index(link), bodies.index(carrier)), (link, carrier))
-        for link, carrier in sorted(pairs)
-    ]
-    weight = [kernels.self_slack_kernel(by_name)] if config.relaxation.mode == "slack" else []
-    return [*rows, kernels.self_approach_kernel(by_name), *weight]
 
 
 def _self_point_table(model: RobotModel, bodies: list[int]) -> tuple[SelfPointEntry, ...]:
