@@ -9,6 +9,9 @@ from proxgen.program import Argument, Program
 
 MANIFEST = "manifest.json"
 
+WIDTH = 240
+"""Greatest number of columns of a line; a sensor, a capsule and most parameters fit into one."""
+
 
 def render_manifest(program: Program, functions: tuple[Function, ...], mark: str, abi: int) -> str:
     """The manifest's text; keys in a fixed order, numbers in full precision."""
@@ -34,8 +37,7 @@ def render_manifest(program: Program, functions: tuple[Function, ...], mark: str
         **_additions(program),
         "functions": [_function(program, function) for function in functions],
     }
-    entries = [f"  {_json(key)}: {_value(value)}" for key, value in content.items()]
-    return "{\n" + ",\n".join(entries) + "\n}\n"
+    return _laid_out(content) + "\n"
 
 
 def dimensions(program: Program) -> dict[str, int]:
@@ -68,16 +70,18 @@ def _additions(program: Program) -> dict[str, Any]:
     return entries
 
 
-def _value(value: Any) -> str:
-    """A value on one line, or, if it is a list of tables, a line for each of them."""
-    if isinstance(value, list) and value:
-        return "[\n" + ",\n".join(f"    {_json(entry)}" for entry in value) + "\n  ]"
-    return _json(value)
-
-
-def _json(value: Any) -> str:
-    """Strict JSON: no NaN, no infinity."""
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+def _laid_out(value: Any, indent: str = "", start: str = "") -> str:
+    """JSON after `start`, on one line where that is short enough for an editor, else a line for each part."""
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    if len(indent) + len(start) + len(text) <= WIDTH or not isinstance(value, dict | list | tuple):
+        return start + text
+    inner = indent + "  "
+    if isinstance(value, dict):
+        parts = [_laid_out(part, inner, f"{json.dumps(key)}: ") for key, part in value.items()]
+    else:
+        parts = [_laid_out(part, inner) for part in value]
+    opening, closing = "{}" if isinstance(value, dict) else "[]"
+    return f"{start}{opening}\n{inner}" + f",\n{inner}".join(parts) + f"\n{indent}{closing}"
 
 
 def _function(program: Program, function: Function) -> dict[str, Any]:
