@@ -80,17 +80,14 @@ class Posture:
         gaps: Array = self.gaps(centres) - np.array([[p.radius] for p in points])
         return gaps
 
-    def self_clearance(self) -> float:
-        """Least gap between capsules with at least two others in between, by points along their axes [m]."""
-        body = np.array([capsule.body for capsule in self.model.capsules])
+    def self_clearances(self) -> Array:
+        """Gaps (L, L) between all capsules, by five points along each axis [m]; negative: they overlap."""
+        count = len(self.model.capsules)
         radius = np.array([capsule.radius for capsule in self.model.capsules])
-        apart = np.abs(body[:, None] - body[None]) > 2
-        if not apart.any():
-            return np.inf
         fractions = np.linspace(0.0, 1.0, 5)[:, None, None]
         points = self.axes[:, 0] + fractions * (self.axes[:, 1] - self.axes[:, 0])
-        gaps = self.gaps(points.reshape(-1, 3)).reshape(5, len(body), -1).min(axis=0) - radius[:, None]
-        return float(gaps[apart].min())
+        gaps: Array = self.gaps(points.reshape(-1, 3)).reshape(5, count, -1).min(axis=0) - radius[:, None]
+        return gaps
 
 
 def sampling_ranges(model: RobotModel) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """Cuffs of proximity sensors on the longest links and on the last one."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -49,28 +49,32 @@ class CuffProposal:
 
 
 def propose_cuffs(capsules: list[CapsuleProposal], postures: list[Posture]) -> list[CuffProposal]:
-    """Cuffs on the two longest links between the first and the last, and on the last.
+    """Cuffs on the last link, and on the two longest between first and last that have a place for one.
 
     Args:
         capsules: with radii, in the order of the postures' model.
         postures: the start, and others to see whether a place lies inside another link.
 
     Returns:
-        Base to tool; a link on which no ring fits is left out.
+        Base to tool; a link on which no ring lies outside all other links has none.
     """
-    between = list(range(len(capsules)))[1:-1] if len(capsules) > 3 else list(range(len(capsules)))[:-1]
-    longest = sorted(between, key=lambda index: -capsules[index].length)[:_LONG]
-    chosen = [*sorted(longest), len(capsules) - 1] if capsules else []
-    names = distinct(f"{capsules[index].name}_cuff" for index in chosen)
-    cuffs = [
-        _cuff(name, index, capsules, postures, hand=index == len(capsules) - 1)
-        for name, index in zip(names, chosen, strict=True)
-    ]
-    return [cuff for cuff in cuffs if cuff is not None]
+    if not capsules:
+        return []
+    last = len(capsules) - 1
+    between = list(range(len(capsules)))[1:-1] if len(capsules) > 3 else list(range(last))
+    found: dict[int, CuffProposal] = {}
+    for index in sorted(between, key=lambda index: -capsules[index].length):
+        if len(found) < _LONG and (cuff := _cuff(index, capsules, postures, hand=False)):
+            found[index] = cuff
+    if cuff := _cuff(last, capsules, postures, hand=True):
+        found[last] = cuff
+    cuffs = [found[index] for index in sorted(found)]
+    names = distinct(cuff.name for cuff in cuffs)
+    return [replace(cuff, name=name) for cuff, name in zip(cuffs, names, strict=True)]
 
 
 def _cuff(
-    name: str, index: int, capsules: list[CapsuleProposal], postures: list[Posture], *, hand: bool
+    index: int, capsules: list[CapsuleProposal], postures: list[Posture], *, hand: bool
 ) -> CuffProposal | None:
     """The cuff of one link, or None if every place for a ring lies inside another link."""
     capsule = capsules[index]
@@ -90,7 +94,7 @@ def _cuff(
             RingProposal(round(first, 3), tube.radius, count, 0.0),
             RingProposal(round(second, 3), tube.radius, count, 0.5),
         )
-    return CuffProposal(name, capsule.frame, tube.origin, tube.axis, rings, hand)
+    return CuffProposal(f"{capsule.name}_cuff", capsule.frame, tube.origin, tube.axis, rings, hand)
 
 
 @dataclass(frozen=True)

@@ -15,16 +15,14 @@ from proxgen.config.urdf import PACKAGE, resolve_urdf
 from proxgen.errors import ConfigError, ModelError, Problem, ProxgenWarning
 from proxgen.files import whole_file
 from proxgen.model import RobotModel, build_model
-from proxgen.model.posture import Posture, sampling_ranges
+from proxgen.model.posture import Posture
 from proxgen.scaffold.capsules import CapsuleProposal, propose_capsules
 from proxgen.scaffold.chain import Arm, read_arm
 from proxgen.scaffold.cuffs import propose_cuffs
 from proxgen.scaffold.names import robot_name
-from proxgen.scaffold.postures import start_posture, task_rows
+from proxgen.scaffold.postures import start_posture, task_rows, usual_postures
 from proxgen.scaffold.render import Sheet, Stopgaps, render_robot, render_scene
 from proxgen.scaffold.scene import propose_scene
-
-_CUFF_POSTURES = 20
 
 
 def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = False) -> Path:
@@ -63,7 +61,7 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     model = _draft_model(render_robot(sheet, arm, capsules, [], Stopgaps()))
     rows = task_rows(model)
     start = start_posture(model, rows)
-    cuffs = propose_cuffs(capsules, _some_postures(start)) if solid else []
+    cuffs = propose_cuffs(capsules, usual_postures(start)) if solid else []
     sheet = replace(sheet, rows=rows)
     model = _draft_model(render_robot(sheet, arm, capsules, cuffs, Stopgaps()))
     scene = propose_scene(Posture(model, start.q), rows, arm.size, sheet.thresholds)
@@ -89,17 +87,6 @@ def _draft_model(text: str) -> RobotModel:
         except ConfigError as error:
             told = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
             raise ModelError(f"the URDF leads to values that a configuration cannot have: {told}") from error
-
-
-def _some_postures(start: Posture) -> list[Posture]:
-    """The start, the zero posture, and some in the middle of the joints' ranges."""
-    model, rng = start.model, np.random.default_rng(3)
-    lower, upper = sampling_ranges(model)
-    middle, quarter = 0.5 * (lower + upper), 0.25 * (upper - lower)
-    postures = [start, Posture(model, np.clip(0.0, lower, upper))]
-    for _ in range(_CUFF_POSTURES):
-        postures.append(Posture(model, middle + rng.uniform(-quarter, quarter)))
-    return postures
 
 
 def _reference(urdf: str, path: Path, output: Path) -> str:

@@ -1,5 +1,7 @@
 """Where the arm can be: sampled postures, a good one to start from, and places that the tool can reach."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from proxgen.model.kinematics import body_poses
@@ -9,6 +11,9 @@ from proxgen.model.robot_model import Array, RobotModel
 _SAMPLES = 2500
 _NEIGHBOURS = 1200
 _SEED = 20
+_PAIR_POSTURES = 50
+_SELDOM = 0.1
+_USUAL_POSTURES = 20
 
 
 def task_rows(model: RobotModel) -> tuple[str, ...]:
@@ -22,8 +27,37 @@ def task_rows(model: RobotModel) -> tuple[str, ...]:
     return tuple("xyz"[row] for row in sorted(movable[: model.n]))
 
 
+@dataclass(frozen=True)
+class Folding:
+    """Which links tell by their distance whether the arm is folded into itself.
+
+    Attributes:
+        pairs: (L, L) capsules with at least two bodies in between that are clear of each other in some
+            postures. A wide torso that always holds the shoulder says nothing about a posture.
+    """
+
+    pairs: Array
+
+    @staticmethod
+    def of(model: RobotModel) -> "Folding":
+        """The pairs of an arm, from postures at random."""
+        rng = np.random.default_rng(_SEED + 2)
+        lower, upper = sampling_ranges(model)
+        postures = (Posture(model, rng.uniform(lower, upper)) for _ in range(_PAIR_POSTURES))
+        clear = np.mean([posture.self_clearances() > 0.0 for posture in postures], axis=0)
+        body = np.array([capsule.body for capsule in model.capsules])
+        return Folding((np.abs(body[:, None] - body[None]) > 2) & (clear > _SELDOM))
+
+    def clearance(self, posture: Posture) -> float:
+        """Least gap between the links of these pairs [m]; infinite if there are none."""
+        return (
+            float(posture.self_clearances()[self.pairs].min(initial=np.inf)) if self.pairs.any() else np.inf
+        )
+
+
 def start_posture(model: RobotModel, rows: tuple[str, ...]) -> Posture:
     """A posture with room on all sides: agile, far from limits, not folded, above its base."""
+    folding = Folding.of(model)
     rng = np.random.default_rng(_SEED)
     lower, upper = sampling_ranges(model)
     chosen = ["xyz".index(row) for row in rows]
@@ -39,7 +73,7 @@ def start_posture(model: RobotModel, rows: tuple[str, ...]) -> Posture:
         score = agility * np.sqrt(margin) * (0.2 + ahead)
         if score <= best_score:
             continue
-        score *= 1.0 if posture.self_clearance() > 0.0 else 1e-3
+        score *= 1.0 if folding.clearance(posture) > 0.0 else 1e-3
         score *= 1.0 if posture.axes[:, :, 2].min() >= base else 1e-3
         if score > best_score:
             best, best_score = posture, score
@@ -59,10 +93,25 @@ def neighbours(start: Posture) -> list[Posture]:
     lower, upper = sampling_ranges(model)
     margin = 0.05 * (upper - lower)
     reach = np.minimum(0.35 * (upper - lower), 0.7)
-    found, least = [], min(0.0, start.self_clearance())
+    folding = Folding.of(model)
+    found, least = [], min(0.0, folding.clearance(start))
     for _ in range(_NEIGHBOURS):
         q = np.clip(start.q + rng.uniform(-reach, reach), lower + margin, upper - margin)
         posture = Posture(model, q)
-        if posture.self_clearance() >= least:
+        if folding.clearance(posture) >= least:
             found.append(posture)
     return found
+
+
+def usual_postures(start: Posture) -> list[Posture]:
+    """The start, the zero posture, and some in the middle of the joints' ranges; those are not folded.
+
+    A link that lies in another one has no place for a cuff there, whatever the place.
+    """
+    model, rng = start.model, np.random.default_rng(3)
+    folding = Folding.of(model)
+    lower, upper = sampling_ranges(model)
+    middle, quarter = 0.5 * (lower + upper), 0.25 * (upper - lower)
+    sampled = [Posture(model, middle + rng.uniform(-quarter, quarter)) for _ in range(5 * _USUAL_POSTURES)]
+    free = [posture for posture in sampled if folding.clearance(posture) > 0.0]
+    return [start, Posture(model, np.clip(0.0, lower, upper)), *(free or sampled)[:_USUAL_POSTURES]]
