@@ -68,7 +68,8 @@ def test_everything_in_the_readme_runs_in_order(clone: Path) -> None:
     assert "verdict: pass" in output  # proxgen compare
     assert re.search(r"^SOLVED \[", output, re.M)  # the Python program
     assert re.search(r"^joint 1 is at -?\d", output, re.M)  # the C program
-    for page in ("out/demo/index.html", "out/gap/index.html", "out/compare.json"):
+    demo = [f"out/demo/{name}" for name in ("index.html", "log.npz", "summary.json", "comparison.json")]
+    for page in (*demo, "out/gap/index.html", "out/compare.json"):
         assert (clone / page).stat().st_size > 0
     check_measured_numbers(clone)
 

@@ -10,6 +10,21 @@ from proxgen.bench.scaling import PARTS, Scaling
 from proxgen.report.style import BLUE, SERIES, STEEL, house_style, legend_above, new_figure, save
 
 
+def draw(measured: Benchmark | PeerBenchmark | Scaling, path: Path) -> Path:
+    """Draw what was measured, whichever of the three it is.
+
+    Args:
+        measured: by `run_benchmark`, `run_peers` or `run_scaling`.
+        path: the PNG to write; an SVG if the name ends so.
+
+    Returns:
+        The file.
+    """
+    if isinstance(measured, Benchmark):
+        return draw_times(measured, path)
+    return draw_peers(measured, path) if isinstance(measured, PeerBenchmark) else draw_scaling(measured, path)
+
+
 def draw_times(benchmark: Benchmark, path: Path) -> Path:
     """Draw which share of the cycles takes longer than a time, raw, both axes logarithmic.
 

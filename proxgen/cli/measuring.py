@@ -11,6 +11,7 @@ from proxgen.config.examples import examples_directory
 if TYPE_CHECKING:
     from proxgen.bench import Benchmark
     from proxgen.bench.peers import PeerBenchmark
+    from proxgen.bench.scaling import Scaling
     from proxgen.config.scene import Scene
     from proxgen.config.schema import Config
 
@@ -64,7 +65,9 @@ def add_verbs(verbs: Any) -> None:
         help="instead: the same cycles through other controllers, each installed into build/bench",
     )
     bench.add_argument("--json", type=new_file, metavar="FILE", help="write the numbers there")
-    bench.add_argument("--plot", type=new_file, metavar="FILE", help="draw the distributions there (PNG)")
+    bench.add_argument(
+        "--plot", type=new_file, metavar="FILE", help="draw the times there (PNG, or SVG if it ends so)"
+    )
     bench.set_defaults(carry_out=carry_out_bench)
 
 
@@ -104,14 +107,7 @@ def _bench_controller(
             progress=progress,
         )
     print(_table(benchmark))
-    _print_machine(benchmark.machine)
-    if arguments.json:
-        write_json(arguments.json, benchmark.to_json())
-    if arguments.plot:
-        from proxgen.bench.plot import draw_times
-
-        print(f"plot: {draw_times(benchmark, arguments.plot)}")
-    return 0
+    return _finish(arguments, benchmark)
 
 
 def _bench_peers(arguments: argparse.Namespace, config: "Config", scenes: "list[Scene]") -> int:
@@ -129,14 +125,7 @@ def _bench_peers(arguments: argparse.Namespace, config: "Config", scenes: "list[
             print(f"  {name}: {difference}")
     for name, versions in benchmark.versions.items():
         print(f"{name}: " + ", ".join(f"{package} {version}" for package, version in versions.items()))
-    _print_machine(benchmark.machine)
-    if arguments.json:
-        write_json(arguments.json, benchmark.to_json())
-    if arguments.plot:
-        from proxgen.bench.plot import draw_peers
-
-        print(f"plot: {draw_peers(benchmark, arguments.plot)}")
-    return 0
+    return _finish(arguments, benchmark)
 
 
 def _bench_scaling(arguments: argparse.Namespace) -> int:
@@ -152,13 +141,19 @@ def _bench_scaling(arguments: argparse.Namespace) -> int:
         print(columns(rows), end="\n\n")
     slope, explained = scaling.per_sensor
     print(f"distance stage: {slope:.1f} ns per sensor; a straight line explains {100.0 * explained:.2f} %")
-    _print_machine(scaling.machine)
-    if arguments.json:
-        write_json(arguments.json, scaling.to_json())
-    if arguments.plot:
-        from proxgen.bench.plot import draw_scaling
+    return _finish(arguments, scaling)
 
-        print(f"plot: {draw_scaling(scaling, arguments.plot)}")
+
+def _finish(arguments: argparse.Namespace, measured: "Benchmark | PeerBenchmark | Scaling") -> int:
+    """What it was measured on, and with; the files that were asked for."""
+    for key, value in measured.machine.items():
+        print(f"{key}: {value}")
+    if arguments.json:
+        write_json(arguments.json, measured.to_json())
+    if arguments.plot:
+        from proxgen.bench.plot import draw
+
+        print(f"plot: {draw(measured, arguments.plot)}")
     return 0
 
 
@@ -194,12 +189,6 @@ def _peer_table(benchmark: "PeerBenchmark") -> str:
                 )
             )
     return columns(rows)
-
-
-def _print_machine(machine: dict[str, str]) -> None:
-    """What it was measured on, and with."""
-    for key, value in machine.items():
-        print(f"{key}: {value}")
 
 
 def _table(benchmark: "Benchmark") -> str:

@@ -12,10 +12,10 @@ from proxgen.errors import ReproduceError
 from proxgen.reproduce.plan import Experiment, Plan, Setup
 from proxgen.reproduce.pool import carry_out_all, cores
 from proxgen.reproduce.results import Results
-from proxgen.reproduce.rules import UNITS, mean_and_spread
 from proxgen.reproduce.store import Numbers, Store
 from proxgen.reproduce.tasks import Task, build_libraries, tasks_of
 from proxgen.reproduce.timing import Timing
+from proxgen.reproduce.units import UNITS, mean_and_spread
 
 if TYPE_CHECKING:
     from proxgen.reproduce.page import Outcome

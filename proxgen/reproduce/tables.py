@@ -6,7 +6,8 @@ from proxgen.report.tables import ClaimRow, Row, millimetres
 from proxgen.reproduce.claims import Verdict
 from proxgen.reproduce.plan import METHODS, SCENES
 from proxgen.reproduce.results import Results, look_up
-from proxgen.reproduce.rules import STATISTICS, UNITS, mean_and_spread
+from proxgen.reproduce.rules import STATISTICS
+from proxgen.reproduce.units import UNITS, mean_and_spread
 
 _ROWS = (
     ("Targets reached", "targets_reached", "mean", None),

@@ -12,7 +12,7 @@ import pytest
 
 from proxgen.bench import Benchmark, run_benchmark
 from proxgen.bench.inputs import Inputs, crowded, record
-from proxgen.bench.plot import draw_times
+from proxgen.bench.plot import draw
 from proxgen.bench.replay import STAGES, compile_replay, instructions_per_cycle, replay
 from proxgen.cli import main
 from proxgen.config import load
@@ -71,7 +71,7 @@ def test_heap_calls_are_counted(benchmark_of_planar2: Benchmark) -> None:
 
 
 def test_plot_is_written(benchmark_of_planar2: Benchmark, tmp_path: Path) -> None:
-    target = draw_times(benchmark_of_planar2, tmp_path / "times.png")
+    target = draw(benchmark_of_planar2, tmp_path / "times.png")
     assert target.read_bytes().startswith(b"\x89PNG")
 
 

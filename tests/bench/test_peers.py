@@ -15,7 +15,7 @@ from proxgen.bench.peers.kinematics import _input
 from proxgen.bench.peers.measure import PeerBenchmark, relate, run_peers
 from proxgen.bench.peers.problem import describe_arm, pose_problem
 from proxgen.bench.peers.roster import CONTROLLERS, KINEMATICS, REFERENCE
-from proxgen.bench.plot import draw_peers
+from proxgen.bench.plot import draw
 from proxgen.cli import main
 from proxgen.config import load
 from proxgen.config.scene import load_scene
@@ -170,7 +170,7 @@ def test_peers_that_cannot_be_installed_are_named(
     assert row["backend"] == REFERENCE.title
     assert set(row["against"]) == {"daqp", "qpoases"}
     assert steps[-1] == (len(CONTROLLERS) + 2, len(CONTROLLERS) + 2)
-    assert draw_peers(benchmark, tmp_path / "peers.png").read_bytes().startswith(b"\x89PNG")
+    assert draw(benchmark, tmp_path / "peers.png").read_bytes().startswith(b"\x89PNG")
     check_command(benchmark, tmp_path, monkeypatch, capsys)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from proxgen.bench.arms import REACH, Size, made_up_inputs, write_arm
-from proxgen.bench.plot import draw_scaling
+from proxgen.bench.plot import draw
 from proxgen.bench.scaling import PARTS, Scaling, run_scaling, straight_line
 from proxgen.cli import main
 from proxgen.controllers.protocol import Status
@@ -68,7 +68,7 @@ def test_times_of_small_sweeps(
     assert {row["name"] for row in scaling.results} >= {f"7 joints: {part}, raw" for part in PARTS}
     sweeps = scaling.sweeps | {"sensors": {key: [1.0, 2.0, 4.0] for key in ("value", *PARTS)}}
     whole = Scaling(scaling.machine, scaling.results, sweeps)
-    assert draw_scaling(whole, tmp_path / "scaling.png").read_bytes().startswith(b"\x89PNG")
+    assert draw(whole, tmp_path / "scaling.png").read_bytes().startswith(b"\x89PNG")
     monkeypatch.setattr("proxgen.bench.scaling.run_scaling", lambda **_: whole)
     assert main(["bench", "--scaling", "--json", str(tmp_path / "scaling.json")]) == 0
     assert "1000.0 ns per sensor" in capsys.readouterr().out

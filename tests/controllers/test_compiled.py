@@ -195,6 +195,16 @@ def test_ages_that_are_no_longer_given_are_fresh_again(
     assert controller.step(Q, XDOT, dataclasses.replace(nothing, time=2.0)).status is Status.SOLVED
 
 
+def test_a_controller_says_what_it_is(library: Path, nothing: Measurement) -> None:
+    controller = CompiledController.load(library)
+    size = controller.manifest["dimensions"]
+    controller.step(Q, XDOT, nothing)
+    assert repr(controller) == (
+        f"CompiledController(robot='planar2', backend='{controller.backend}', joints=2, task_rows=2, "
+        f"capsules={size['capsules']}, tof={size['tof']}, capacitive={size['capacitive']}, cycles=1)"
+    )
+
+
 def test_counters_add_up(controller: CompiledController, planar2_model: RobotModel) -> None:
     for time in (1.0, 2.0, 2.0, 3.0):
         controller.step(Q, XDOT, free_space(planar2_model, time))

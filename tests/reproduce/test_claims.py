@@ -20,10 +20,9 @@ from proxgen.reproduce.rules import (
     InTime,
     Quantity,
     Rule,
-    mean_and_spread,
-    unit_of,
 )
 from proxgen.reproduce.tables import headline
+from proxgen.reproduce.units import mean_and_spread, unit_of
 
 CLAIMS = (*PAPER, *BEYOND)
 

@@ -70,6 +70,14 @@ class CompiledController:
         self._pack = Packer(library.manifest["dimensions"]).pack
         self._make_buffers()
 
+    def __repr__(self) -> str:
+        """Robot, solver, sizes, and how many cycles it has done."""
+        size = self.manifest["dimensions"]
+        parts = ("joints", "task_rows", "capsules", "tof", "capacitive")
+        sizes = ", ".join(f"{part}={size[part]}" for part in parts)
+        cycles = self.counters.cycles
+        return f"CompiledController(robot={self.robot!r}, backend={self.backend!r}, {sizes}, cycles={cycles})"
+
     @classmethod
     def load(cls, library_dir: str | Path) -> "CompiledController":
         """A new controller from a folder that `proxgen build` made.
