@@ -197,6 +197,8 @@ class Program:
         self_measurement: tables of self-measurement removal; None: it is off.
         memory: size and table of the memory of seen points; None: there is none.
         circulation: whether there is circulation.
+        config_file: name of the file that the configuration was written in, without its folder, so that the
+            text is the same on every machine; empty if it was not written in one.
     """
 
     robot: str
@@ -224,6 +226,7 @@ class Program:
     self_measurement: SelfMeasurement | None = None
     memory: Memory | None = None
     circulation: bool = False
+    config_file: str = ""
 
     @property
     def additions(self) -> tuple[str, ...]:

@@ -103,9 +103,8 @@ def _plan(
     solver = find_solver(backend or config.solver.backend)
     toolchain = find_toolchain(cxx=solver.cxx)
     versions = [metadata.version(name) for name in ("casadi", "pin")]
-    generation = sources.digest(
-        [config_hash(config), sources.digest_files(sources.generator_files()), versions]
-    )
+    named = [config_hash(config), config.source.name]  # the text says from which file it can be made again
+    generation = sources.digest([named, sources.digest_files(sources.generator_files()), versions])
     runtime = [*sources.runtime_units(solver.name), *sources.runtime_headers()]
     parts = [
         generation,

@@ -1,5 +1,6 @@
 """Program to the texts of all generated files. Templates hold structure; what they print is made here."""
 
+import re
 from typing import Any
 
 from proxgen import __version__
@@ -30,6 +31,9 @@ PUBLIC_FUNCTIONS = (
     "status_name",
 )
 """Functions of `controller.h` without the robot's prefix: all that a library exports."""
+
+_PLAIN_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.+-]*")
+"""Names of files that mean the same to C, Markdown and a shell, without quotes."""
 
 _C_TEMPLATES = ("model.h", "model.c", "binding.h", "controller.h", "controller.hpp")
 _OTHER_TEMPLATES = ("README.md",)
@@ -66,6 +70,7 @@ def template_context(program: Program, all_functions: tuple[Function, ...]) -> d
         "banner": banner(program),
         "mark": mark(program),
         "regenerate": regenerate(program),
+        "config_file": config_file(program),
         "abi": ABI_VERSION,
         "version": __version__,
         "dimensions": dimensions(program),
@@ -105,7 +110,13 @@ def mark(program: Program) -> str:
 
 def regenerate(program: Program) -> str:
     """The command that makes the folder again."""
-    return f"proxgen generate {program.robot}.yaml -o generated/{program.robot}"
+    return f"proxgen generate {config_file(program)} -o generated/{program.robot}"
+
+
+def config_file(program: Program) -> str:
+    """The file to give to a command; the robot's name stands for one that text and shells may misread."""
+    plain = _PLAIN_NAME.fullmatch(program.config_file)
+    return program.config_file if plain else f"{program.robot}.yaml"
 
 
 def banner(program: Program) -> str:

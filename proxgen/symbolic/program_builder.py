@@ -67,6 +67,7 @@ def build_program(config: Config, model: RobotModel) -> Program:
         self_measurement=self_measurement(config, model),
         memory=memory(config, model),
         circulation=config.avoidance.circulation.enabled,
+        config_file=config.source.name,
     )
 
 

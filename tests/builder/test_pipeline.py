@@ -8,6 +8,7 @@ import pytest
 
 from proxgen.builder import BuildResult, build, pipeline
 from proxgen.builder.stamp import PRIVATE
+from proxgen.config import load
 from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
 from proxgen.errors import BuildError, GenerateError
@@ -90,6 +91,14 @@ def test_a_changed_value_is_built_anew(built: BuildResult, planar2_config: Confi
     assert after.parameters["d_a"] == 0.4
     assert before.parameters["d_a"] != 0.4, "what is loaded stays as it was"
     assert len(list((built.library_dir / "python").iterdir())) == 1, "the old extension is gone"
+
+
+def test_code_from_another_file_says_so(built: BuildResult, tmp_path: Path) -> None:
+    for source in (ROOT / "examples" / "planar2").iterdir():
+        (tmp_path / source.name.replace(".yaml", "_copy.yaml")).write_bytes(source.read_bytes())
+    copied = build(load(tmp_path / "planar2_copy.yaml"), built.library_dir, backend="daqp")
+    assert copied.rebuilt
+    assert "proxgen generate planar2_copy.yaml" in (copied.generated / "model.h").read_text()
 
 
 def test_a_missing_file_is_made_again(built: BuildResult, planar2_config: Config) -> None:

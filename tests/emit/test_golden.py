@@ -47,6 +47,27 @@ def test_every_file_says_what_decides_its_text(robot: str) -> None:
             assert all(text in head for text in wanted), path.name
 
 
+@pytest.mark.parametrize(
+    ("file", "named"),
+    [
+        ("my_arm-2.yaml", "my_arm-2.yaml"),
+        ("mein arm.yaml", "planar2.yaml"),
+        ("ärm.yaml", "planar2.yaml"),
+        ("-o.yaml", "planar2.yaml"),
+        ("a\n*.yaml", "planar2.yaml"),
+    ],
+)
+def test_the_commands_name_the_file_and_no_folder(file: str, named: str, tmp_path: Path) -> None:
+    for source in (ROOT / "examples" / "planar2").iterdir():
+        (tmp_path / (file if source.suffix == ".yaml" else source.name)).write_bytes(source.read_bytes())
+    config = load(tmp_path / file)
+    files = render(build_program(config, build_model(config)))
+    for name in ("model.h", "model.c", "kernels.c", "controller.hpp", "README.md"):
+        assert f"proxgen generate {named} -o generated/planar2" in files[name][:1000], name
+        assert str(tmp_path) not in files[name]
+    assert f"`proxgen build {named}`" in files["README.md"]
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_the_code_is_plain_ascii(robot: str) -> None:
     """Compilers for small machines know no other letters, in comments neither."""
