@@ -1,6 +1,6 @@
 """Measures the effect of each improvement by itself and prints the tables of docs/improvements.md.
 
-    python docs/improvements.py [--starts 8] [--out out/improvements]
+    python docs/improvements.py [--starts 8] [--workers 2] [--out out/improvements]
 
 Every line of a table is one configuration in one scene, from perturbed starts (seeds 0, 1, 2 ...: 0.03 rad,
 0.02 m), each for 60 s. Finished runs in the folder are used again.
@@ -8,13 +8,14 @@ Every line of a table is one configuration in one scene, from perturbed starts (
 
 import argparse
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from proxgen.builder import build
 from proxgen.config import load
-from proxgen.reproduce.plan import IIWA7, Experiment
+from proxgen.reproduce.plan import IIWA7, SCENES, Experiment
 from proxgen.reproduce.pool import carry_out_all, cores
 from proxgen.reproduce.store import Numbers, Store
 from proxgen.reproduce.tasks import Rollout
@@ -34,76 +35,131 @@ DENSER = """skin:
 """
 
 VARIANTS = {
-    "paper": "",
-    "slack": "relaxation: {mode: slack, slack: {active_weight: 0.3}}",
-    "damper": "avoidance: {schedule: damper}",
-    "damper_without_active": "avoidance: {schedule: damper, active: {enabled: false}}",
-    "damper_and_slack": (
-        "avoidance: {schedule: damper}\nrelaxation: {mode: slack, slack: {active_weight: 0.3}}"
+    "paper": ("iiwa7", ""),
+    "slack": ("iiwa7", "relaxation: {mode: slack, slack: {active_weight: 0.3}}"),
+    "damper": ("iiwa7", "avoidance: {schedule: damper}"),
+    "damper, no active row": ("iiwa7", "avoidance: {schedule: damper, active: {enabled: false}}"),
+    "damper and slack": (
+        "iiwa7",
+        "avoidance: {schedule: damper}\nrelaxation: {mode: slack, slack: {active_weight: 0.3}}",
     ),
-    "no_acceleration": "limits: {acceleration: null}",
-    "no_joint_damper": "limits: {joint_damper: null}",
-    "viability": "limits: {joint_damper: null, viability: true}",
-    "circulation": "avoidance: {circulation: {enabled: true}}",
-    "memory": "skin: {memory: {enabled: true}}",
-    "self_measurement": "skin: {self_measurement: {enabled: true}}",
-    "denser": DENSER,
+    "no acceleration bound": ("iiwa7", "limits: {acceleration: null}"),
+    "switch (11) alone": ("iiwa7", "limits: {joint_damper: null}"),
+    "viability, no joint damper": ("iiwa7", "limits: {joint_damper: null, viability: true}"),
+    "joint damper and viability": ("iiwa7", "limits: {viability: true}"),
+    "circulation": ("iiwa7", "avoidance: {circulation: {enabled: true}}"),
+    "memory": ("iiwa7", "skin: {memory: {enabled: true}}"),
+    "self-measurement removal": ("iiwa7", "skin: {self_measurement: {enabled: true}}"),
+    "denser cuffs": ("iiwa7", DENSER),
+    "improved": ("iiwa7_improved", ""),
+    "dense": ("iiwa7_dense", ""),
+    "dense, switches at 0.15 m": ("iiwa7_dense", "skin: {capacitive: {trigger: 15 cm}}"),
 }
-"""What each variant adds to examples/iiwa7/iiwa7.yaml."""
+"""The example that each variant extends, and what it adds to it."""
 
-LINES = (
-    *(("paper", scene, "ideal") for scene in ("gap", "pillar", "facing", "moving")),
-    *(("paper", scene, "skin") for scene in ("gap", "pillar", "facing", "moving")),
-    *(("slack", scene, "ideal") for scene in ("gap", "pillar")),
-    *(("damper", scene, "ideal") for scene in ("gap", "pillar")),
-    *((name, "gap", "ideal") for name in ("damper_without_active", "damper_and_slack")),
-    *(("no_acceleration", scene, "ideal") for scene in ("gap", "pillar")),
-    *((name, "moving", "ideal") for name in ("no_joint_damper", "viability")),
-    *(("circulation", scene, "ideal") for scene in ("facing", "gap")),
-    *((name, "moving", "skin") for name in ("memory", "self_measurement", "denser")),
-)  # fmt: skip
-"""Variant, scene, sensing of each line."""
+OTHER_SEEDS = 100
+"""The first seed of the last table."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A configuration in a scene.
+
+    Attributes:
+        variant: name in `VARIANTS`.
+        scene: name of the scene.
+        sensing: `ideal` or `skin`.
+        first_seed: of its starts.
+    """
+
+    variant: str
+    scene: str
+    sensing: str = "ideal"
+    first_seed: int = 0
+
+
+BEST = (*(("improved", scene, "ideal") for scene in SCENES), ("dense", "moving", "skin"))
+
+TABLES = {
+    "The paper configuration": [
+        Line("paper", scene, sensing) for sensing in ("ideal", "skin") for scene in SCENES
+    ],
+    "Slack rows": [Line("slack", scene) for scene in ("gap", "pillar")],
+    "Damper schedule": [
+        *(Line("damper", scene) for scene in ("gap", "pillar")),
+        *(Line(name, "gap") for name in ("damper, no active row", "damper and slack")),
+    ],
+    "Acceleration bound": [Line("no acceleration bound", scene) for scene in ("gap", "pillar")],
+    "Joint damper and viability": [
+        Line(name, "moving")
+        for name in ("paper", "switch (11) alone", "viability, no joint damper", "joint damper and viability")
+    ],
+    "Circulation": [Line("circulation", scene) for scene in ("facing", "gap")],
+    "Memory, self-measurement removal, denser cuffs": [
+        *(Line(name, "moving", "skin") for name in ("paper", "memory", "self-measurement removal")),
+        *(Line(name, "moving", "skin") for name in ("denser cuffs", "dense, switches at 0.15 m")),
+    ],
+    "All together": [Line(*line) for line in BEST],
+    "All together, other seeds": [Line(*line, OTHER_SEEDS) for line in (*BEST, ("paper", "moving", "skin"))],
+}
+"""The lines of each table of the page."""
 
 HEAD = (
-    "| | scene | sensing | targets | least distance [m] | below d_r [%] | mean Δq̇ [mrad/s] | greatest |\n"
-    "|---|---|---|---|---|---|---|---|"
+    "| configuration | scene | sensing | targets | least distance [m] | below d_r [%] | mean Δq̇ [mrad/s] | "
+    "greatest [rad/s] |\n|---|---|---|---|---|---|---|---|"
 )
 
 
 def main() -> None:
-    """Write the variants, build them, run what is missing, print the lines."""
+    """Write the variants, build them, run what is missing, print the tables."""
     parser = argparse.ArgumentParser(description="The effect of each improvement by itself.")
     parser.add_argument("--starts", type=int, default=8)
     parser.add_argument("--duration", type=float, default=60.0)
+    parser.add_argument("--workers", type=int, default=cores(), help="processes")
     parser.add_argument("--out", type=Path, default=Path("out/improvements"))
     given = parser.parse_args()
     libraries = {name: _build(name, given.out) for name in VARIANTS}
     store = Store(given.out / "runs")
-    lines = [
-        [_run(line, *libraries[line[0]], start, given.duration) for start in range(given.starts)]
-        for line in LINES
-    ]
-    missing = [run for runs in lines for run in runs if store.find(run.name, run.fingerprint()) is None]
-    carry_out_all(missing, store, cores(), lambda task: print(task.name, "done", flush=True))
-    print(HEAD)
-    for line, runs in zip(LINES, lines, strict=True):
-        print(_written(line, [store.find(run.name, run.fingerprint()) or {} for run in runs]))
+    runs = {
+        line: [
+            _run(line, *libraries[line.variant], line.first_seed + start, given.duration)
+            for start in range(given.starts)
+        ]
+        for lines in TABLES.values()
+        for line in lines
+    }
+    missing = [run for of_line in runs.values() for run in of_line if _found(store, run) is None]
+    carry_out_all(missing, store, given.workers, lambda task: print(task.name, "done", flush=True))
+    for title, lines in TABLES.items():
+        print(f"\n## {title}\n\n{HEAD}")
+        for line in lines:
+            print(_written(line, [_found(store, run) or {} for run in runs[line]]))
+        for line in lines:
+            print(_besides(line, runs[line], store))
 
 
 def _build(name: str, out: Path) -> tuple[Path, Path]:
     """A variant's YAML file and its compiled controller."""
-    path = (out / "variants" / f"{name}.yaml").resolve()
+    base, added = VARIANTS[name]
+    word = name.replace(" ", "_").replace(",", "")
+    path = (out / "variants" / f"{word}.yaml").resolve()
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(f"extends: {IIWA7 / 'iiwa7.yaml'}\n{VARIANTS[name]}\n", encoding="utf-8")
-    return path, build(load(path), out / "builds" / name).library_dir
+    path.write_text(f"extends: {IIWA7 / base}.yaml\n{added}\n", encoding="utf-8")
+    return path, build(load(path), out / "builds" / word).library_dir
 
 
-def _run(line: tuple[str, str, str], path: Path, library: Path, start: int, duration: float) -> Rollout:
+def _run(line: Line, path: Path, library: Path, seed: int, duration: float) -> Rollout:
     """One run of a line."""
-    return Rollout(Experiment("-".join(line), "", line[1], sensing=line[2]), path, library, start, duration)
+    name = f"{path.stem}-{line.scene}-{line.sensing}"
+    return Rollout(Experiment(name, "", line.scene, sensing=line.sensing), path, library, seed, duration)
 
 
-def _written(line: Sequence[str], found: Sequence[Numbers]) -> str:
+def _found(store: Store, run: Rollout) -> Numbers | None:
+    """What is kept of a run."""
+    return store.find(run.name, run.fingerprint())
+
+
+def _written(line: Line, found: Sequence[Numbers]) -> str:
     """One line of the table: mean and spread over the starts; of the greatest change the greatest."""
 
     def spread(key: str, scale: float, digits: int) -> str:
@@ -111,7 +167,9 @@ def _written(line: Sequence[str], found: Sequence[Numbers]) -> str:
         return f"{values.mean():.{digits}f} ± {values.std():.{digits}f}"
 
     cells = [
-        *line,
+        line.variant,
+        line.scene,
+        line.sensing,
         spread("targets_reached", 1.0, 1),
         spread("min_distance_axis_m", 1.0, 3),
         spread("time_below_dr_fraction", 100.0, 1),
@@ -119,6 +177,27 @@ def _written(line: Sequence[str], found: Sequence[Numbers]) -> str:
         f"{max(float(numbers['max_abs_dqdot']) for numbers in found):.2f}",
     ]
     return "| " + " | ".join(cells) + " |"
+
+
+def _besides(line: Line, runs: Sequence[Rollout], store: Store) -> str:
+    """What else the page says of a line: over all starts."""
+    found = [_found(store, run) or {} for run in runs]
+
+    def total(key: str) -> int:
+        return sum(int(numbers[key]) for numbers in found)
+
+    beyond = 0.0
+    for run in runs:
+        log = store.log(run.name)
+        outside = np.maximum(log.meta["q_lower"] - log.q, log.q - log.meta["q_upper"])
+        beyond = max(beyond, float(outside.max()))
+    touched = sum(int(numbers["penetration_samples"]) > 0 for numbers in found)
+    least = min(float(numbers["min_distance_axis_m"]) for numbers in found)
+    return (
+        f"{line.variant}, {line.scene}, {line.sensing}: least distance of all {least:.3f} m; "
+        f"{total('limit_violations')} cycles beyond a limit, by up to {beyond:.4f} rad; "
+        f"{touched} starts touched something; {total('solver_failures')} QPs failed"
+    )
 
 
 if __name__ == "__main__":
