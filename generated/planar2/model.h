@@ -190,7 +190,7 @@ int planar2_objective(const planar2_parameters_t *parameters, const planar2_kine
  *   out lb             2 [rad/s]: lower bounds of qdot
  *   out ub             2 [rad/s]: upper bounds of qdot
  * Reads the parameters q_lower, q_upper, qdot_limit, qddot_limit, joint_damper, viability, period.
- * Returns 0. Operations: 56.
+ * Returns 0. Operations: 77.
  */
 int planar2_bounds(const planar2_parameters_t *parameters, const double q[2], const double qdot_previous[2],
                    double lb[2], double ub[2]);

@@ -70,14 +70,19 @@ def bounds(
 ) -> tuple[Any, Any]:
     """Lb and ub (n, 1) each: (3)(11), joint damper, viability, and the acceleration bound that gives way.
 
-    max(0, ...) is (11): a joint at or beyond its limit may only return. `viability` is 0 or 1.
+    max(0, ...) is (11): a joint at or beyond its limit may only return. `viability` is 0 or 1. Its law, with
+    T = max(1/k_d, Δt) and the room d, is sqrt(max(2ad + a²((T + Δt)² - 2T²), a²(T + Δt)²)) - aΔt.
     """
-    to_upper, to_lower = upper - q, q - lower
-    ceiling = ca.fmin(speed, damper * to_upper)
-    floor = ca.fmin(speed, damper * to_lower)
     not_viable = (1 - viability) * 1e30
-    ceiling = ca.fmin(ceiling, ca.sqrt(2 * acceleration * ca.fmax(to_upper, 0)) + not_viable)
-    floor = ca.fmin(floor, ca.sqrt(2 * acceleration * ca.fmax(to_lower, 0)) + not_viable)
-    ub, lb = ca.fmax(0, ceiling), -ca.fmax(0, floor)
-    step = acceleration * period
+    slope = ca.fmin(damper, 1 / period + not_viable)
+    T, step, twice = 1 / slope, acceleration * period, 2 * acceleration
+    square, longest = acceleration**2, (T + period) ** 2
+    shift, least, less = square * (longest - 2 * T**2), square * longest, not_viable - step
+
+    def towards(room: Any) -> Any:
+        """The greatest speed towards a limit that is `room` away."""
+        braking = ca.sqrt(ca.fmax(twice * room + shift, least)) + less
+        return ca.fmax(0, ca.fmin(ca.fmin(speed, slope * room), braking))
+
+    ub, lb = towards(upper - q), -towards(q - lower)
     return ca.fmin(ca.fmax(lb, qdot_previous - step), ub), ca.fmax(ca.fmin(ub, qdot_previous + step), lb)

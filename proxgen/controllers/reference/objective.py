@@ -56,8 +56,20 @@ def _ceiling(room: Array, p: Parameters) -> Array:
     """Greatest speed (n,) towards a position limit that is `room` (n,) away: 0 at and beyond it (11)."""
     ceiling = np.minimum(p.qdot_limit, p.joint_damper * room)
     if p.viability:
-        ceiling = np.minimum(ceiling, np.sqrt(2.0 * p.qddot_limit * np.maximum(room, 0.0)))
+        ceiling = np.minimum(ceiling, _viable_speed(room, p))
     return np.where(room <= 0.0, 0.0, ceiling)
+
+
+def _viable_speed(room: Array, p: Parameters) -> Array:
+    """Greatest speed (n,) from which braking by aΔt per cycle ends at the limit, the joint damper's end included.
+
+    Below the speed aT, d/T brakes with at most a. From v above it, d - aT² must be room for braking to aT,
+    (v² - (aT)²)/(2a), and for what is driven until that shows effect, (v - aT)Δt; this is solved for v.
+    """
+    a, dt = p.qddot_limit, p.period
+    T = max(1.0 / p.joint_damper, dt)
+    beyond = np.maximum(room - a * T**2, 0.0)
+    return np.minimum(room / T, np.sqrt((a * (dt + T)) ** 2 + 2.0 * a * beyond) - a * dt)
 
 
 def acceleration_bounds(lb: Array, ub: Array, qdot_previous: Array, p: Parameters) -> tuple[Array, Array]:
