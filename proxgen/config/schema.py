@@ -157,7 +157,7 @@ class Limits(Section):
         5.0, description="k_d: velocity allowed per distance to the position limit; null: hard switch (11)"
     )
     viability: Flag = Field(
-        False, description="keep every position limit reachable by braking: |qdot| <= sqrt(2 a (q_ub - q))"
+        False, description="brake early enough to stop at every position limit with `acceleration` (a)"
     )
     tolerance: Annotated[float, JointPosition(ge=0.0, le=1.0)] = Field(
         0.1, description="a measured position further than this outside its limits is a fault"

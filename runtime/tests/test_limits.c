@@ -14,10 +14,13 @@ static void drive_into_the_limit(double joint_damper, double viability, double a
   p.posture_weight[0] = p.posture_weight[1] = 1e3;
   p.posture[0] = 10.0, p.posture[1] = -10.0; /* far beyond both limits */
   CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
-  double greatest = -INFINITY, least = INFINITY;
+  double greatest = -INFINITY, least = INFINITY, last[PG_N] = {0.0};
   for (int i = 0; i < 500; i++) {
     const pg_status_t status = rig_step(&rig);
     CHECK_EQUAL(status, PG_SOLVED);
+    for (int j = 0; j < PG_N && viability > 0.5; j++)
+      CHECK(fabs(rig.qdot[j] - last[j]) <= acceleration * p.period + 1e-9);
+    memcpy(last, rig.qdot, sizeof last);
     for (int j = 0; j < PG_N; j++)
       rig.q[j] += p.period * rig.qdot[j];
     greatest = fmax(greatest, rig.q[0]);
@@ -89,7 +92,8 @@ static void bounds_that_are_equal(void) {
 int main(void) {
   drive_into_the_limit(HARD, 0.0, 1e3, 1.5 * 0.02 + 2.0 * 0.02);
   drive_into_the_limit(5.0, 0.0, 20.0, 1e-9);
-  drive_into_the_limit(HARD, 1.0, 20.0, 0.02);
+  drive_into_the_limit(HARD, 1.0, 20.0, 1e-9);
+  drive_into_the_limit(5.0, 1.0, 2.0, 1e-9);
   the_velocity_changes_no_faster_than_allowed();
   limits_win();
   bounds_that_are_equal();

@@ -8,6 +8,8 @@ from proxgen.config.schema import Config
 from proxgen.config.variants import override
 from proxgen.controllers.protocol import OFF, Array, Command, Measurement, Status
 from proxgen.controllers.reference import ReferenceController
+from proxgen.controllers.reference.objective import bounds
+from proxgen.controllers.reference.parameters import changed, default_parameters
 from proxgen.model import RobotModel, build_model
 from proxgen.model.robot_model import CapsuleModel, Drive
 
@@ -240,9 +242,54 @@ def test_bounds_near_a_position_limit(planar2_config: Config, planar2_model: Rob
         found = decide(controller, np.array([q1, 0.5]), np.zeros(2)).diagnostics
         assert (found.lb[0], found.ub[0]) == pytest.approx((lower, upper), abs=1e-13)
         assert (found.lb[1], found.ub[1]) == (-0.4, 0.4)
-    controller.set_parameters(viability=1.0, joint_damper=OFF)
-    found = decide(controller, np.array([2.999, 0.5]), np.zeros(2)).diagnostics
-    assert found.ub[0] == pytest.approx(np.sqrt(2.0 * 20.0 * 0.001), abs=1e-13)
+
+
+def test_bounds_with_viability(planar2_config: Config, planar2_model: RobotModel) -> None:
+    """With a = 20 rad/s² at 50 Hz: room/T up to the speed aT, then room for braking and one more cycle."""
+    controller = ReferenceController(planar2_config, planar2_model)
+    for k_d, room, speed in (
+        (
+            OFF,
+            0.001,
+            0.001 / 0.02,
+        ),  # T is the period: in the last 0.008 rad all of the room, within one cycle
+        (OFF, 0.032, np.sqrt(0.8**2 + 40.0 * 0.024) - 0.4),
+        (50.0, 0.032, np.sqrt(0.8**2 + 40.0 * 0.024) - 0.4),
+        (10.0, 0.1, 1.0),  # the joint damper as it is, up to 2 rad/s
+        (20.0, 0.04, 0.8),
+        (20.0, 0.10, np.sqrt(1.4**2 + 40.0 * 0.05) - 0.4),  # beyond 1 rad/s it would ask for too much
+    ):
+        controller.set_parameters(viability=1.0, joint_damper=k_d)
+        controller.reset()
+        controller.follow(np.array([speed, 0.0]))
+        q = np.array([3.0 - room, 0.5])
+        found = controller.step(q, np.zeros(2), nothing_seen(planar2_model)).diagnostics
+        assert found.ub[0] == pytest.approx(speed, abs=1e-13)
+        controller.reset()
+        controller.follow(np.array([-speed, 0.0]))
+        found = controller.step(-q, np.zeros(2), nothing_seen(planar2_model)).diagnostics
+        assert found.lb[0] == pytest.approx(-speed, abs=1e-13)
+
+
+@pytest.mark.parametrize(("k_d", "a"), [(OFF, 20.0), (5.0, 2.0), (100.0, 7.0)])
+def test_viability_holds_for_any_speed_within_the_bounds(
+    planar2_config: Config, planar2_model: RobotModel, k_d: float, a: float
+) -> None:
+    """Whatever q̇ is taken within the bounds: no limit is passed, and the next bound is at least q̇ - aΔt."""
+    values = {"viability": 1.0, "joint_damper": k_d, "qddot_limit": np.full(2, a)}
+    p = changed(default_parameters(planar2_config, planar2_model), values)
+    rng = np.random.default_rng(61)
+    for _ in range(20):
+        q, qdot = rng.uniform(p.q_lower, p.q_upper), np.zeros(2)
+        outwards = rng.choice([-1.0, 1.0], 2)
+        for _ in range(100):
+            lb, ub = bounds(q, qdot, p)
+            assert np.all(ub >= qdot - a * p.period - 1e-12)
+            assert np.all(lb <= qdot + a * p.period + 1e-12)
+            part = rng.uniform(0.7, 1.0, 2) ** 4
+            qdot = np.where(outwards > 0.0, lb + part * (ub - lb), ub - part * (ub - lb))
+            q = q + p.period * qdot
+            assert np.all((q <= p.q_upper + 1e-12) & (q >= p.q_lower - 1e-12))
 
 
 def test_the_limit_wins_over_the_acceleration(planar2_config: Config, planar2_model: RobotModel) -> None:

@@ -61,10 +61,10 @@ def _ceiling(room: Array, p: Parameters) -> Array:
 
 
 def _viable_speed(room: Array, p: Parameters) -> Array:
-    """Greatest speed (n,) from which braking by aΔt per cycle ends at the limit, the joint damper's end included.
+    """Greatest speed (n,) from which braking by at most aΔt per cycle ends at the limit.
 
-    Below the speed aT, d/T brakes with at most a. From v above it, d - aT² must be room for braking to aT,
-    (v² - (aT)²)/(2a), and for what is driven until that shows effect, (v - aT)Δt; this is solved for v.
+    Up to the speed aT, the line d/T asks for no more than a. From a speed v above it, d - aT² must be room
+    for braking down to aT, (v² - (aT)²)/(2a), and for one more cycle, (v - aT)Δt; this is solved for v.
     """
     a, dt = p.qddot_limit, p.period
     T = max(1.0 / p.joint_damper, dt)

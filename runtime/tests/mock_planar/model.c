@@ -272,7 +272,11 @@ int planar_objective(const planar_parameters_t *p, const planar_kinematics_t *k,
 /* Greatest velocity towards a limit that is `distance` away. */
 static double limit_speed(const planar_parameters_t *p, int joint, double distance) {
   double speed = least(p->qdot_limit[joint], p->joint_damper * distance);
-  if (p->viability > 0.5) speed = least(speed, sqrt(2.0 * p->qddot_limit[joint] * greatest(distance, 0.0)));
+  if (p->viability > 0.5) {
+    const double a = p->qddot_limit[joint], T = greatest(1.0 / p->joint_damper, p->period);
+    const double beyond = greatest(distance - a * T * T, 0.0), fastest = a * (T + p->period);
+    speed = least(speed, least(distance / T, sqrt(fastest * fastest + 2.0 * a * beyond) - a * p->period));
+  }
   return distance <= 0.0 ? 0.0 : speed;
 }
 
