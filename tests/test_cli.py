@@ -67,6 +67,18 @@ def test_check(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().out == (f"{PLANAR2}: no problems (2 joints, 2 capsules, 4 sensor modules)\n")
 
 
+@pytest.mark.filterwarnings("default::proxgen.errors.ProxgenWarning")
+def test_check_warns_of_braking_that_the_drives_may_not_have(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("gentle.yaml").write_text(f"extends: {PLANAR2}\nlimits: {{acceleration: 10}}\n")
+    assert main(["check", "gentle.yaml"]) == 0
+    said = capsys.readouterr()
+    assert said.out.startswith("gentle.yaml: no problems")
+    assert said.err.startswith("proxgen: warning: gentle.yaml:2: limits.acceleration: in front of a position")
+    Path("gentle.yaml").write_text(f"extends: {PLANAR2}\nlimits: {{acceleration: 10, viability: true}}\n")
+    assert main(["check", "gentle.yaml"]) == 0
+    assert capsys.readouterr().err == ""
+
+
 def test_check_of_a_scene(capsys: pytest.CaptureFixture[str]) -> None:
     scene = str(ROOT / "examples" / "scenes" / "gap.yaml")
     assert main(["check", scene]) == 0

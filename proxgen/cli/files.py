@@ -2,11 +2,13 @@
 
 import argparse
 import json
+import warnings
 from pathlib import Path
 from typing import Any
 
 from proxgen.cli.arguments import add_config, new_file, new_folder, one_of
 from proxgen.cli.output import columns, shown_path
+from proxgen.errors import ProxgenWarning
 
 BACKENDS = ("qpoases", "daqp")
 
@@ -76,8 +78,11 @@ def carry_out_check(arguments: argparse.Namespace) -> int:
         return _check_scene(arguments)
     config = load(arguments.config)
     from proxgen.model import build_model
+    from proxgen.model.braking import hard_braking
 
     model = build_model(config)
+    if (hard := hard_braking(config, model)) is not None:
+        warnings.warn(str(hard), ProxgenWarning, stacklevel=1)
     if arguments.explain:
         from proxgen.config.explain import explain
 
