@@ -38,6 +38,7 @@ def test_everything_in_a_guide_runs_in_order(name: str, clone: Path) -> None:
         assert load(clone / "my_skin.yaml").skin.tof is not None
     else:
         assert "SOLVED rows on:" in said
+        assert "FAULT_JOINT_LIMIT\ninside again after " in said
 
 
 @pytest.mark.parametrize("name", GUIDES)
