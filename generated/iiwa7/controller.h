@@ -150,7 +150,8 @@ static inline pg_status_t iiwa7_create_in(void *memory, size_t size, iiwa7_contr
   return iiwa7_create_in_checked(memory, size, controller, IIWA7_INTERFACE);
 }
 
-/* Ends a controller; NULL is allowed. A block given to iiwa7_create_in goes back to its owner. */
+/* Ends a controller; NULL is allowed. A block given to iiwa7_create_in goes back to its owner; calls with the
+ * controller that was in it are refused. */
 pg_status_t iiwa7_destroy(iiwa7_controller_t *controller);
 
 /* Forgets the previous velocity (now 0), the previous time and the warm start; keeps parameters and counters.

@@ -152,7 +152,8 @@ static inline pg_status_t planar2_create_in(void *memory, size_t size, planar2_c
   return planar2_create_in_checked(memory, size, controller, PLANAR2_INTERFACE);
 }
 
-/* Ends a controller; NULL is allowed. A block given to planar2_create_in goes back to its owner. */
+/* Ends a controller; NULL is allowed. A block given to planar2_create_in goes back to its owner; calls with
+ * the controller that was in it are refused. */
 pg_status_t planar2_destroy(planar2_controller_t *controller);
 
 /* Forgets the previous velocity (now 0), the previous time and the warm start; keeps parameters and counters.

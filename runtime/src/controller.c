@@ -43,7 +43,8 @@ pg_status_t pg_create_in_checked(void *memory, size_t size, pg_controller_t **co
   if (size < PG_MEMORY_SIZE) return PG_ERROR_SIZE;
 
   const uintptr_t misaligned = (uintptr_t)memory % ALIGNMENT;
-  pg_controller_t *made = (pg_controller_t *)((char *)memory + (misaligned ? ALIGNMENT - misaligned : 0));
+  void *aligned = (unsigned char *)memory + (misaligned ? ALIGNMENT - misaligned : 0);
+  pg_controller_t *made = aligned;
   memset(made, 0, sizeof *made);
   made->parameters = pg_model_default_parameters;
   give_rows_a_direction(&made->cycle);
@@ -55,14 +56,15 @@ pg_status_t pg_create_in_checked(void *memory, size_t size, pg_controller_t **co
 }
 
 pg_status_t pg_destroy(pg_controller_t *controller) {
-  if (!controller) return PG_SOLVED;
+  if (!pg_alive(controller)) return PG_SOLVED;
   pg_solver_destroy(controller->solver);
+  controller->solver = NULL; /* a caller's block can be seen to hold no controller */
   if (controller->release) controller->release(controller->block);
   return PG_SOLVED;
 }
 
 pg_status_t pg_reset(pg_controller_t *controller) {
-  if (!controller) return PG_ERROR_NULL;
+  if (!pg_alive(controller)) return PG_ERROR_NULL;
   forget(controller);
   return PG_SOLVED;
 }

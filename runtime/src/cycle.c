@@ -31,7 +31,7 @@ static void brake(const pg_controller_t *controller, double qdot[PG_N]) {
 static void forget_additions(pg_diagnostics_t *cycle) {
 #if PG_SELF_POINTS
   for (int l = 0; l < PG_CAPSULES; l++)
-    cycle->self_distance[l] = INFINITY;
+    cycle->self_distance[l] = PG_INFINITY;
 #endif
 #if PG_SELF_MEASUREMENT
   cycle->self_readings = 0;
@@ -42,7 +42,7 @@ static void forget_additions(pg_diagnostics_t *cycle) {
 #if PG_CIRCULATION
   cycle->circulating = 0;
   for (int i = 0; i < 3; i++)
-    cycle->tangent[i] = NAN;
+    cycle->tangent[i] = PG_NAN;
 #endif
   (void)cycle;
 }
@@ -50,7 +50,7 @@ static void forget_additions(pg_diagnostics_t *cycle) {
 /* Diagnostics of a cycle in which nothing has happened yet. */
 static void begin(pg_diagnostics_t *cycle) {
   memset(cycle->row_on, 0, sizeof cycle->row_on);
-  cycle->kkt_residual = NAN;
+  cycle->kkt_residual = PG_NAN;
   cycle->iterations = cycle->solves = cycle->second_chances = 0;
   forget_additions(cycle);
 }
@@ -119,8 +119,12 @@ static pg_status_t check_call(const double *q, const double *xdot, const pg_meas
 
 pg_status_t pg_step(pg_controller_t *controller, const double q[PG_N], const double xdot[PG_M],
                     const pg_measurement_t *seen, double qdot[PG_N]) {
-  if (!controller || !qdot) {
+  if (!pg_alive(controller)) {
     if (qdot) memset(qdot, 0, PG_N * sizeof(double));
+    return PG_ERROR_NULL;
+  }
+  if (!qdot) {
+    controller->counters.errors++;
     return PG_ERROR_NULL;
   }
   begin(&controller->cycle);

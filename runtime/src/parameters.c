@@ -29,13 +29,13 @@ int pg_parameters_allowed(const pg_parameters_t *p) {
 }
 
 pg_status_t pg_get_parameters(const pg_controller_t *controller, pg_parameters_t *parameters) {
-  if (!controller || !parameters) return PG_ERROR_NULL;
+  if (!pg_alive(controller) || !parameters) return PG_ERROR_NULL;
   *parameters = controller->parameters;
   return PG_SOLVED;
 }
 
 pg_status_t pg_set_parameters(pg_controller_t *controller, const pg_parameters_t *parameters) {
-  if (!controller || !parameters) return PG_ERROR_NULL;
+  if (!pg_alive(controller) || !parameters) return PG_ERROR_NULL;
   if (!pg_parameters_allowed(parameters)) return PG_ERROR_PARAMETER;
   controller->parameters = *parameters;
   return PG_SOLVED;

@@ -2,13 +2,13 @@
 #include "state.h"
 
 pg_status_t pg_diagnostics(const pg_controller_t *controller, const pg_diagnostics_t **diagnostics) {
-  if (!controller || !diagnostics) return PG_ERROR_NULL;
+  if (!pg_alive(controller) || !diagnostics) return PG_ERROR_NULL;
   *diagnostics = &controller->cycle;
   return PG_SOLVED;
 }
 
 pg_status_t pg_counters(const pg_controller_t *controller, pg_counters_t *counters) {
-  if (!controller || !counters) return PG_ERROR_NULL;
+  if (!pg_alive(controller) || !counters) return PG_ERROR_NULL;
   *counters = controller->counters;
   return PG_SOLVED;
 }

@@ -68,11 +68,17 @@ struct PG_NAME(controller) {
   double ubA[PG_ROWS];      /* right-hand sides of the stage that is being solved */
   double softness[PG_ROWS]; /* 1/rho of soft rows, 0 in staged mode */
   pg_solution_t solution;
-  pg_solver_t *solver;
+  pg_solver_t *solver;          /* NULL: there is no controller here (any more) */
   void (*release)(void *block); /* gives the block back when the controller ends; NULL if the caller does */
   void *block;
   _Alignas(16) unsigned char solver_memory[PG_SOLVER_MEMORY];
 };
+
+/* 1 if there is a controller at this place: not NULL, not destroyed, not a block that is all zero. Where one
+ * that was destroyed lived on the heap, nobody can tell. */
+static inline int pg_alive(const pg_controller_t *controller) {
+  return controller && controller->solver;
+}
 
 /* Slots of self-collision, one per capsule, are the last ones. */
 #define PG_FIRST_SELF_ROW (PG_CAPSULES + PG_ACTIVE_ROW)

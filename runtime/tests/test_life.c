@@ -68,6 +68,35 @@ static void nothing_is_not_a_controller(void) {
   rig_close(&rig);
 }
 
+/* In a caller's block a controller that is gone can be seen to be gone; so can one that never was. */
+static void a_block_without_a_controller(void) {
+  static unsigned char block[PG_MEMORY_SIZE];
+  rig_t rig;
+  rig_open(&rig);
+  pg_controller_t *gone = NULL;
+  CHECK_EQUAL(pg_create_in_checked(block, sizeof block, &gone, PG_INTERFACE), PG_SOLVED);
+  for (int i = 0; i < 2; i++) { /* destroyed, then all zero */
+    CHECK_EQUAL(pg_destroy(gone), PG_SOLVED);
+    CHECK_EQUAL(pg_destroy(gone), PG_SOLVED); /* twice does no harm */
+    pg_parameters_t parameters = pg_model_default_parameters;
+    pg_counters_t counters;
+    const pg_diagnostics_t *diagnostics;
+    double qdot[PG_N] = {9.0, 9.0};
+    CHECK_EQUAL(pg_step(gone, rig.q, rig.xdot, &rig.seen, qdot), PG_ERROR_NULL);
+    CHECK(qdot[0] == 0.0 && qdot[1] == 0.0);
+    CHECK_EQUAL(pg_reset(gone), PG_ERROR_NULL);
+    CHECK_EQUAL(pg_get_parameters(gone, &parameters), PG_ERROR_NULL);
+    CHECK_EQUAL(pg_set_parameters(gone, &parameters), PG_ERROR_NULL);
+    CHECK_EQUAL(pg_diagnostics(gone, &diagnostics), PG_ERROR_NULL);
+    CHECK_EQUAL(pg_counters(gone, &counters), PG_ERROR_NULL);
+    memset(block, 0, sizeof block);
+  }
+  CHECK_EQUAL(pg_create_in_checked(block, sizeof block, &gone, PG_INTERFACE), PG_SOLVED); /* again */
+  CHECK_EQUAL(pg_step(gone, rig.q, rig.xdot, &rig.seen, rig.qdot), PG_SOLVED);
+  CHECK_EQUAL(pg_destroy(gone), PG_SOLVED);
+  rig_close(&rig);
+}
+
 static void refuse(rig_t *rig, const pg_parameters_t *wrong) {
   const pg_parameters_t before = rig_parameters(rig);
   CHECK_EQUAL(pg_set_parameters(rig->controller, wrong), PG_ERROR_PARAMETER);
@@ -238,6 +267,7 @@ int main(void) {
   the_size_is_near_the_truth();
   headers_of_another_version();
   nothing_is_not_a_controller();
+  a_block_without_a_controller();
   parameters_out_of_range();
   parameters_out_of_order();
   parameters_act_from_the_next_cycle();

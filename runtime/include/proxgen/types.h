@@ -34,7 +34,7 @@ typedef enum {
   PG_FAULT_TIME = 20,            /* time did not advance */
   PG_FAULT_DEADLINE = 21,        /* more than max_period since the last cycle */
   PG_FAULT_OBSTACLE_INSIDE = 22, /* an obstacle point on a link's axis: no direction to leave it */
-  PG_ERROR_NULL = -1,            /* a pointer is NULL */
+  PG_ERROR_NULL = -1,            /* a pointer is NULL, or the controller was destroyed */
   PG_ERROR_SIZE = -2,            /* a memory block too small, or more points than the capacity */
   PG_ERROR_PARAMETER = -3,       /* a parameter outside its range; nothing was changed */
   PG_ERROR_MEMORY = -4,          /* memory could not be obtained */
