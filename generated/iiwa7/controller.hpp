@@ -37,13 +37,13 @@ using Version = iiwa7_version_t;
 
 /* What the skin, and other sources, saw; as made, it has seen nothing. */
 struct Measurement {
-  double time = 0.0;                                                  /* [s] monotonic */
-  std::array<double, IIWA7_TOF> tof_range;                            /* [m] */
-  std::array<unsigned char, IIWA7_CAPACITIVE> capacitive{};           /* 0: open */
-  std::optional<std::array<double, IIWA7_TOF>> tof_age;               /* [s] none: all fresh */
-  std::optional<std::array<double, IIWA7_CAPACITIVE>> capacitive_age; /* [s] */
-  const Point *points = nullptr;                                      /* [m] world; not owned */
-  int point_count = 0;                                                /* 0 to IIWA7_MAX_POINTS */
+  double time = 0.0;                                                    /* [s] monotonic */
+  std::array<double, IIWA7_TOF> tof_range{};                            /* [m] */
+  std::array<unsigned char, IIWA7_CAPACITIVE> capacitive{};             /* 0: open */
+  std::optional<std::array<double, IIWA7_TOF>> tof_age{};               /* [s] none: all fresh */
+  std::optional<std::array<double, IIWA7_CAPACITIVE>> capacitive_age{}; /* [s] */
+  const Point *points = nullptr;                                        /* [m] world; not owned */
+  int point_count = 0;                                                  /* 0 to IIWA7_MAX_POINTS */
 
   Measurement() noexcept {
     for (std::size_t i = 0; i < tof_range.size(); i++)

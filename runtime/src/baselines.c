@@ -57,7 +57,7 @@ static void switch_on_pair(pg_diagnostics_t *cycle, int slot, const double row[P
 static void note_speeds(pg_controller_t *controller) {
   for (int l = 0; l < PG_CAPSULES; l++) {
     double *speed = &controller->cycle.approach_speed[l];
-    *speed = INFINITY;
+    *speed = PG_INFINITY;
     if (controller->nearest[l].found)
       pg_model_approach_speed(&controller->parameters, controller->nearest[l].distance, speed);
   }

@@ -61,5 +61,5 @@ double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution) {
   }
   for (int j = 0; j < PG_N; j++)
     add_pair(&residual, x[j] - between(x[j] - gradient[j], qp->lb[j], qp->ub[j]), gradient[j]);
-  return residual.sum - residual.sum == 0.0 ? residual.greatest : INFINITY;
+  return residual.sum - residual.sum == 0.0 ? residual.greatest : PG_INFINITY;
 }

@@ -162,7 +162,7 @@ double pg_polish(const pg_qp_t *qp, pg_solution_t *solution) {
   double residual = pg_kkt_residual(qp, solution);
   pg_solution_t improved = *solution;
   double left = residual;
-  for (int step = 0; step < STEPS && residual > EXACT && left < INFINITY; step++) {
+  for (int step = 0; step < STEPS && residual > EXACT && left < PG_INFINITY; step++) {
     improve(qp, &improved);
     keep_within_bounds(qp, improved.x);
     left = pg_kkt_residual(qp, &improved);

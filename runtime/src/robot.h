@@ -12,9 +12,15 @@
 #error "generated code and runtime are of different versions: run `proxgen generate` again"
 #endif
 
-#ifdef __FAST_MATH__
-#error "-ffast-math removes the checks for NaN and infinity on which this runtime relies"
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error                                                                                                       \
+    "-ffast-math and -ffinite-math-only remove the checks for NaN and infinity on which this runtime relies"
 #endif
+
+/* Doubles, where the macros of C are floats: compilers may be asked to warn of what becomes a double by
+ * itself. */
+#define PG_INFINITY ((double)INFINITY)
+#define PG_NAN      ((double)NAN)
 
 #define pg_check_input         PG_NAME(internal_check_input)
 #define pg_within_joint_limits PG_NAME(internal_within_joint_limits)

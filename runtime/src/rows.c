@@ -39,7 +39,7 @@ void pg_write_rows(pg_controller_t *controller, const double xdot[PG_M]) {
   pg_switch_all_off(cycle);
   for (int l = 0; l < PG_CAPSULES; l++) {
     const pg_nearest_t *nearest = &controller->nearest[l];
-    cycle->approach_speed[l] = INFINITY;
+    cycle->approach_speed[l] = PG_INFINITY;
     if (!nearest->found) continue;
     double row[PG_N];
     write_capsule_row(controller, l, row);

@@ -44,7 +44,7 @@ pg_status_t pg_find_nearest_self(pg_controller_t *controller) {
       if (pg_model_self_pairs[c][l])
         offer(&pg_model_self_points[c], points[c], &axis, capsule->radius, reach, nearest);
     inside |= nearest->found && nearest->length < PG_INSIDE;
-    controller->cycle.self_distance[l] = nearest->found ? nearest->distance : INFINITY;
+    controller->cycle.self_distance[l] = nearest->found ? nearest->distance : PG_INFINITY;
   }
   return inside ? PG_FAULT_OBSTACLE_INSIDE : PG_SOLVED;
 }

@@ -144,9 +144,9 @@ pg_status_t pg_find_nearest(pg_controller_t *controller, const pg_measurement_t 
     if (candidate->found &&
         !measure(&field.axes[l], candidate->point, pg_model_capsules[l].reference_radius, influence, nearest))
       inside = 1;
-    cycle->distance[l] = nearest->found ? nearest->distance : INFINITY;
+    cycle->distance[l] = nearest->found ? nearest->distance : PG_INFINITY;
     for (int i = 0; i < 3; i++)
-      cycle->nearest_point[3 * l + i] = nearest->found ? candidate->point[i] : NAN;
+      cycle->nearest_point[3 * l + i] = nearest->found ? candidate->point[i] : PG_NAN;
   }
   return inside ? PG_FAULT_OBSTACLE_INSIDE : PG_SOLVED;
 }

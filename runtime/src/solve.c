@@ -67,7 +67,7 @@ static void move_apart(const pg_qp_t *qp, double distance, double ubA[PG_ROWS]) 
 static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, pg_outcome_t outcome) {
   double ubA[PG_ROWS], *residual = &controller->cycle.kkt_residual;
   pg_solution_t best = controller->solution;
-  double least = outcome == PG_OPTIMAL ? *residual : INFINITY;
+  double least = outcome == PG_OPTIMAL ? *residual : PG_INFINITY;
   pg_qp_t apart = *qp;
   apart.ubA = ubA;
   controller->cycle.second_chances++;
@@ -82,7 +82,7 @@ static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, 
     best = controller->solution;
   }
   controller->solution = best;
-  *residual = outcome == PG_OPTIMAL ? least : NAN;
+  *residual = outcome == PG_OPTIMAL ? least : PG_NAN;
   return outcome;
 }
 

@@ -177,7 +177,7 @@ def test_fast_math_is_refused_by_the_runtime(
     planar2_config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CFLAGS", "-ffast-math")
-    with pytest.raises(BuildError, match="removes the checks for NaN"):
+    with pytest.raises(BuildError, match="remove the checks for NaN"):
         build(planar2_config, tmp_path / "built", backend="daqp")
 
 

@@ -94,12 +94,13 @@ def test_headers_compile_on_their_own(folder: Path, header: str, language: str, 
     if header.endswith("pp") and language == "c":
         language = "c++"
     compiler = os.environ.get("CC", "cc")
-    standard = "c11" if language == "c" else "c++17"
+    standard = "c99" if language == "c" else "c++17"  # the least that a caller may have
     source = tmp_path / ("main.c" if language == "c" else "main.cpp")
     source.write_text(
         f'#include "{header}"\n#include "{header}"\nint main(void);\nint main(void) {{ return 0; }}\n'
     )
-    warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror", "-fsyntax-only"]
+    warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow", "-Werror", "-fsyntax-only"]
+    warnings += ["-Wold-style-cast", "-Weffc++"] if language == "c++" else ["-Wstrict-prototypes"]
     include = [f"-I{folder}", f"-I{ROOT / 'runtime' / 'include'}"]
     command = [compiler, "-x", language, f"-std={standard}", *warnings, *include, str(source)]
     subprocess.run(command, check=True)

@@ -17,6 +17,9 @@ ROOT = Path(__file__).resolve().parents[2]
 RUNTIME = ROOT / "runtime"
 ROBOTS = sorted(path.parent.name for path in (ROOT / "generated").glob("*/model.c"))
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+PICKY = ["-Wshadow", "-Wundef", "-Wcast-align", "-Wcast-qual", "-Wredundant-decls"]
+PICKY += ["-Wsign-conversion", "-Wdouble-promotion"]
+"""What the project that compiles a controller's sources may ask for besides; our tests do not."""
 EMBED = ROOT / "examples" / "embed" / "elsewhere"
 
 
@@ -30,12 +33,13 @@ def programs(robot: str) -> list[Path]:
 def checks(source: Path, command: list[str], compiler: tuple[str, ...]) -> Iterator[list[str]]:
     """What has to pass without a word: the warnings; for the controller itself, the analyser, too."""
     ours = source.is_relative_to(RUNTIME / "src") or source.name == "model.c"
+    picky = PICKY if ours else []
     if "clang" in run([*compiler, "--version"], "the compiler does not run"):
-        yield [*command, *STRICT]
+        yield [*command, *STRICT, *picky]
         if ours:
             yield [*command, "--analyze", "--analyzer-output", "text", "-Xclang", "-analyzer-werror"]
     else:  # gcc's analyser does not know C++
-        yield [*command, *STRICT, *(["-fanalyzer"] if ours and source.suffix == ".c" else [])]
+        yield [*command, *STRICT, *picky, *(["-fanalyzer"] if ours and source.suffix == ".c" else [])]
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

@@ -220,10 +220,11 @@ def test_versions_must_fit(kit: Kit, tmp_path: Path) -> None:
         run([*command, "-c", str(source), "-o", "/dev/null"], "refused")
 
 
-def test_fast_math_is_refused(kit: Kit) -> None:
+@pytest.mark.parametrize("option", ["-ffast-math", "-Ofast", "-ffinite-math-only"])
+def test_fast_math_is_refused(kit: Kit, option: str) -> None:
     toolchain, source = find_toolchain(cxx=False), RUNTIME / "src" / "cycle.c"
-    command = [*toolchain.compile_command(source), "-ffast-math", *kit.includes(Variant("daqp"))]
-    with pytest.raises(BuildError, match="removes the checks for NaN"):
+    command = [*toolchain.compile_command(source), option, *kit.includes(Variant("daqp"))]
+    with pytest.raises(BuildError, match="remove the checks for NaN"):
         run([*command, "-c", str(source), "-o", "/dev/null"], "refused")
 
 
