@@ -94,7 +94,8 @@ def carry_out_check(arguments: argparse.Namespace) -> int:
         print(f"# limits in use, the URDF's ({config.urdf_path.name}) where the file gives none:")
         print(columns(rows))
         return 0
-    parts = f"{model.n} joints, {len(model.capsules)} capsules, {len(model.modules)} sensor modules"
+    counts = ((model.n, "joint"), (len(model.capsules), "capsule"), (len(model.modules), "sensor module"))
+    parts = ", ".join(f"{count} {name}{'s' if count != 1 else ''}" for count, name in counts)
     print(f"{arguments.config}: no problems ({parts})")
     return 0
 

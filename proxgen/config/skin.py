@@ -131,7 +131,7 @@ class Skin(Section):
     memory: Memory = Memory()
 
     def contradictions(self) -> Iterator[Finding]:
-        """Sensors too slow for the timeout; cuffs that sense nothing."""
+        """Sensors too slow for the timeout; cuffs that sense nothing; additions that have no readings."""
         places: list[tuple[str, TimeOfFlight | Capacitive | None]] = [
             ("tof", self.tof),
             ("capacitive", self.capacitive),
@@ -150,3 +150,17 @@ class Skin(Section):
                     f"{self.timeout:.6g} s: every cycle would be a fault"
                 )
                 yield Finding((f"{key}.rate", f"{key}.latency", "timeout"), message)
+        yield from self._idle_additions()
+
+    def _idle_additions(self) -> Iterator[Finding]:
+        """Additions that are switched on where no sensor gives them anything."""
+        if self.memory.enabled and not (self.cuffs and (self.tof or any(cuff.tof for cuff in self.cuffs))):
+            message = (
+                "there is no range sensor whose points it could keep; switch it off, or describe the cuffs"
+            )
+            yield Finding(("memory.enabled",), f"{message} and their 'tof'")
+        if self.self_measurement.enabled and not self.cuffs:
+            message = (
+                "there is no sensor whose readings it could discard; switch it off, or describe the cuffs"
+            )
+            yield Finding(("self_measurement.enabled",), message)

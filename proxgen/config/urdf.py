@@ -131,11 +131,24 @@ def read_names(path: Path) -> UrdfNames:
         raise ModelError(
             f"{path.name} is a xacro file; turn it into a URDF first (xacro {path.name} > robot.urdf)"
         )
+    _refuse_xacro_residue(path, root)
     links = tuple(link.get("name", "") for link in root.findall("link"))
     joints = {joint.get("name", ""): joint.get("type", "") for joint in root.findall("joint")}
     if not links:
         raise ModelError(f"{path.name} has no links")
     return UrdfNames(links, joints)
+
+
+def _refuse_xacro_residue(path: Path, root: ElementTree.Element) -> None:
+    """Raise where one of xacro's expressions, ${radius} or $(find PACKAGE), stands in what is read."""
+    for part in (*root.findall("joint"), *root.findall("link/collision")):
+        for element in part.iter():
+            for attribute, value in element.items():
+                if "${" in value or "$(" in value:
+                    raise ModelError(
+                        f'{path.name} is a xacro file, as <{element.tag} {attribute}="{value}"> shows; '
+                        f"turn it into a URDF first (xacro {path.name} > robot.urdf)"
+                    )
 
 
 def unknown_frame(name: str, names: UrdfNames) -> str | None:

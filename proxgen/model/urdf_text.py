@@ -30,6 +30,7 @@ def pinocchio_model(root: ElementTree.Element) -> Any:
     Raises:
         ModelError: it is not a URDF; the message says what the parser said.
     """
+    _refuse_axes_without_direction(root)
     text = ElementTree.tostring(_with_limits(root), encoding="unicode")
     with _stderr_to_file() as said:
         try:
@@ -42,6 +43,23 @@ def pinocchio_model(root: ElementTree.Element) -> Any:
             raise ModelError(" ".join(reasons) or str(error)) from error
 
 
+def _refuse_axes_without_direction(root: ElementTree.Element) -> None:
+    """Raise where a moving joint's axis has no direction: the parser would make it not-a-number."""
+    for joint in root.findall("joint"):
+        axis = joint.find("axis")
+        if axis is None or joint.get("type") == "fixed":
+            continue
+        shown = axis.get("xyz", "1 0 0")
+        try:
+            values = [float(word) for word in shown.split()]
+        except ValueError:
+            continue  # the parser says what it thinks of it
+        if not any(values) or not all(map(math.isfinite, values)):
+            raise ModelError(
+                f"joint '{joint.get('name', '')}' has the axis \"{shown}\", which is no direction"
+            )
+
+
 def finite_number(element: ElementTree.Element | None, name: str) -> float | None:
     """A finite attribute; None where element or attribute is missing, or it says infinity or nan.
 
@@ -49,7 +67,11 @@ def finite_number(element: ElementTree.Element | None, name: str) -> float | Non
         ValueError: it is not a number.
     """
     text = element.get(name) if element is not None else None
-    value = float(text) if text is not None else None
+    try:
+        value = float(text) if text is not None else None
+    except ValueError:
+        tag = element.tag if element is not None else ""
+        raise ValueError(f'<{tag} {name}="{text}">: a number is needed') from None
     return value if value is not None and math.isfinite(value) else None
 
 

@@ -1,6 +1,7 @@
 """`proxgen init`: a first configuration and a first scene for any serial arm."""
 
 import os
+import re
 import tempfile
 import warnings
 from collections.abc import Mapping
@@ -58,12 +59,12 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     solid = all(capsule.radius is not None for capsule in capsules)
     blanks = _blanks(arm, capsules)
     sheet = Sheet(name, str(path), ("x", "y", "z"), solid, not blanks, scale)
-    model = _draft_model(render_robot(sheet, arm, capsules, [], Stopgaps()))
+    model = _draft_model(render_robot(sheet, arm, capsules, [], Stopgaps()), capsules)
     rows = task_rows(model)
     start = start_posture(model, rows)
     cuffs = propose_cuffs(capsules, usual_postures(start)) if solid else []
     sheet = replace(sheet, rows=rows)
-    model = _draft_model(render_robot(sheet, arm, capsules, cuffs, Stopgaps()))
+    model = _draft_model(render_robot(sheet, arm, capsules, cuffs, Stopgaps()), capsules)
     scene = propose_scene(Posture(model, start.q), rows, arm.size, sheet.thresholds)
     sheet = replace(sheet, urdf=_reference(urdf, path, output))
     texts = {
@@ -77,7 +78,7 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     return output
 
 
-def _draft_model(text: str) -> RobotModel:
+def _draft_model(text: str, capsules: list[CapsuleProposal]) -> RobotModel:
     """The model of a file that does not exist yet; this also shows that the file is accepted."""
     with tempfile.TemporaryDirectory() as folder:
         draft = Path(folder) / "draft.yaml"
@@ -85,8 +86,18 @@ def _draft_model(text: str) -> RobotModel:
         try:
             return build_model(load(draft))
         except ConfigError as error:
-            told = "; ".join(f"{problem.key}: {problem.message}" for problem in error.problems)
+            told = "; ".join(_told(problem, capsules) for problem in error.problems)
+            if "is out of range" in told:
+                told += ' (a URDF is in metres: a mesh in millimetres needs scale="0.001 0.001 0.001")'
             raise ModelError(f"the URDF leads to values that a configuration cannot have: {told}") from error
+
+
+def _told(problem: Problem, capsules: list[CapsuleProposal]) -> str:
+    """A problem of the draft, with the link for a capsule's number."""
+    match = re.fullmatch(r"capsules\.(\d+)\.radius", problem.key)
+    if match is None:
+        return f"{problem.key}: {problem.message}"
+    return f"radius of the capsule around link '{capsules[int(match[1])].frame}': {problem.message}"
 
 
 def _reference(urdf: str, path: Path, output: Path) -> str:

@@ -70,10 +70,17 @@ def collision_clouds(urdf: Path, links: Iterable[str]) -> dict[str, Cloud]:
         collisions = link.findall("collision")
         if name in wanted and collisions:
             try:
-                clouds[name] = merged(_collision(element, urdf) for element in collisions)
+                clouds[name] = _with_extent(merged(_collision(element, urdf) for element in collisions))
             except (ModelError, ValueError) as error:
                 raise ModelError(f"{urdf}: collision geometry of link '{name}': {error}") from error
     return clouds
+
+
+def _with_extent(cloud: Cloud) -> Cloud:
+    """The cloud, unless all of it is one point, around which there is nothing to put."""
+    if not cloud.radii.any() and not np.ptp(cloud.points, axis=0).any():
+        raise ModelError("it has no extent; is a size or a scale 0?")
+    return cloud
 
 
 def _collision(collision: ElementTree.Element, urdf: Path) -> Cloud:
@@ -132,7 +139,10 @@ _SHAPES: dict[str, Callable[[ElementTree.Element, Path], Cloud]] = {
 
 def _numbers(element: ElementTree.Element, attribute: str, default: str = "") -> Array:
     """Three numbers of an attribute, (3,)."""
-    values = np.array([float(word) for word in element.get(attribute, default).split()])
+    try:
+        values = np.array([float(word) for word in element.get(attribute, default).split()])
+    except ValueError:
+        values = np.zeros(0)
     if values.shape != (3,) or not np.isfinite(values).all():
         raise ModelError(f"<{element.tag} {attribute}=...> must be three numbers")
     return values
@@ -140,7 +150,10 @@ def _numbers(element: ElementTree.Element, attribute: str, default: str = "") ->
 
 def _number(element: ElementTree.Element, attribute: str) -> float:
     """One number of an attribute, at least zero."""
-    value = float(element.get(attribute, "nan"))
+    try:
+        value = float(element.get(attribute, "nan"))
+    except ValueError:
+        value = math.nan
     if not 0.0 <= value < math.inf:
         raise ModelError(f"<{element.tag} {attribute}=...> must be a number, at least 0")
     return value

@@ -101,6 +101,19 @@ CONTRADICTIONS: dict[str, Case] = {
         "  tof: null\n  capacitive: null",
         "20: skin.cuffs.0: cuff 'wrist' senses nothing: neither it nor the skin has a 'tof' or 'capacitive'",
     ),
+    "memory without range sensors": (
+        "  tof:\n    range: 1 m",
+        "  tof: null\n  memory: {enabled: true}",
+        "25: skin.memory.enabled: there is no range sensor whose points it could keep; switch it off, "
+        "or describe the cuffs and their 'tof'",
+    ),
+    "self-measurement without sensors": (
+        "  cuffs:\n    - name: wrist\n      frame: lower_arm\n      rings:\n"
+        "        - {offset: 0.2, radius: 6 cm, modules: 4, tilt: [0, 35 deg]}\n",
+        "  self_measurement: {enabled: true}\n",
+        "19: skin.self_measurement.enabled: there is no sensor whose readings it could discard; "
+        "switch it off, or describe the cuffs",
+    ),
     "deadline within the period": (
         "rate: 50 Hz",
         "rate: 50 Hz\n  deadline: 10 ms",

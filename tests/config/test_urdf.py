@@ -135,6 +135,17 @@ def test_a_urdf_that_is_not_there(
             "<robot xmlns:xacro='http://www.ros.org/wiki/xacro'><xacro:include filename='a'/></robot>",
             "arm.urdf is a xacro file; turn it into a URDF first (xacro arm.urdf > robot.urdf)",
         ),
+        (
+            "<robot><link name='a'/><joint name='j' type='revolute'><limit upper='${pi}'/></joint></robot>",
+            'arm.urdf is a xacro file, as <limit upper="${pi}"> shows; turn it into a URDF first '
+            "(xacro arm.urdf > robot.urdf)",
+        ),
+        (
+            "<robot><link name='a'><collision><geometry><mesh filename='$(find a)/b.stl'/></geometry>"
+            "</collision></link></robot>",
+            'arm.urdf is a xacro file, as <mesh filename="$(find a)/b.stl"> shows; turn it into a URDF first '
+            "(xacro arm.urdf > robot.urdf)",
+        ),
     ],
 )
 def test_a_urdf_that_is_none(

@@ -197,6 +197,46 @@ def test_a_urdf_that_makes_no_sense_says_why(tmp_path: Path, capfd: pytest.Captu
     assert capfd.readouterr().err == ""
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        (
+            r'<axis xyz="[^"]*"',
+            '<axis xyz="0 0 0"',
+            "joint 'joint_0' has the axis \"0 0 0\", which is no direction",
+        ),
+        (
+            r'<axis xyz="[^"]*"',
+            '<axis xyz="1 nan 0"',
+            "joint 'joint_0' has the axis \"nan 0 0\", which is no direc",
+        ),
+        (r'upper="[^"]*"', 'upper="2 rad"', '<limit upper="2 rad">: a number is needed'),
+    ],
+)
+def test_numbers_that_mean_nothing_are_named(tmp_path: Path, old: str, new: str, message: str) -> None:
+    """An axis without direction became not-a-number in the kinematics."""
+    path = write_arm(RECIPES[0], tmp_path)
+    urdf = tmp_path / f"{RECIPES[0].name}.urdf"
+    urdf.write_text(re.sub(old, new, urdf.read_text(), count=1))
+    with pytest.raises(ConfigError, match=re.escape(f"cannot be read as a URDF: {message}")):
+        build_model(load(path))
+
+
+def test_axes_of_any_length_mean_their_direction(tmp_path: Path) -> None:
+    path = write_arm(RECIPES[1], tmp_path)
+    urdf = tmp_path / f"{RECIPES[1].name}.urdf"
+    before = build_model(load(path))
+    stretched = re.sub(
+        r'<axis xyz="([^"]*)"',
+        lambda match: f'<axis xyz="{" ".join(str(7.0 * float(word)) for word in match[1].split())}"',
+        urdf.read_text(),
+    )
+    urdf.write_text(stretched)
+    after = build_model(load(path))
+    q = np.array([0.2, 1.1, -0.25])
+    np.testing.assert_allclose(body_poses(after, q), body_poses(before, q), atol=1e-6)
+
+
 def test_limits_may_be_missing_altogether_if_the_file_has_them(tmp_path: Path) -> None:
     path = write_arm(RECIPES[0], tmp_path)
     urdf = tmp_path / f"{RECIPES[0].name}.urdf"

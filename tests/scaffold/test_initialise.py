@@ -123,6 +123,7 @@ def test_existing_files_are_kept_unless_told_otherwise(tmp_path: Path) -> None:
         ("wedge.obj|missing.obj", "tool", "the mesh 'missing.obj' does not exist (looked for "),
         ("</robot>|", "tool", "is not well-formed XML"),
         ('<sphere radius="0.07"|<sphere', "tool", "<sphere radius=...> must be a number"),
+        ('<axis xyz="|<axis xyz="0 0 0"/><axis xyz="', "tool", 'has the axis "0 0 0", which is no direction'),
     ],
 )
 def test_mistakes_leave_nothing_behind(tmp_path: Path, change: str, tool: str, message: str) -> None:
@@ -133,6 +134,16 @@ def test_mistakes_leave_nothing_behind(tmp_path: Path, change: str, tool: str, m
     with pytest.raises(ModelError, match=re.escape(message)) as caught:
         scaffold(str(urdf), tool, tmp_path / "out" / "arm.yaml")
     assert str(urdf) in str(caught.value) or urdf.name in str(caught.value)
+    assert not (tmp_path / "out").exists()
+
+
+def test_millimetres_are_told_from_metres(tmp_path: Path) -> None:
+    urdf = arm(tmp_path, "long12")
+    urdf.write_text(urdf.read_text().replace(' scale="0.001 0.001 0.001"', ""))
+    with pytest.raises(
+        ModelError, match=r"radius of the capsule around link 'link_\d+': \d+\.\d+ m is out of ran"
+    ):
+        scaffold(str(urdf), "tool", tmp_path / "out" / "arm.yaml")
     assert not (tmp_path / "out").exists()
 
 
