@@ -168,6 +168,21 @@ def test_a_distance_equal_to_the_threshold_counts(
     assert np.isfinite(found.distance[1]) == on
 
 
+def test_a_point_beyond_d_a_counts_for_the_active_row_alone(
+    planar2_config: Config, planar2_model: RobotModel
+) -> None:
+    """d_a = 0.15 m, and here d_active = 0.2 m: at 0.18 m there is no row of the capsule."""
+    controller, q = ReferenceController(planar2_config, planar2_model), np.array([0.4, 0.9])
+    controller.set_parameters(d_active=0.2)
+    point, closest, direction = beside_link_2(q, 0.25, 0.18)
+    found = decide(controller, q, np.zeros(2), point).diagnostics
+    assert found.row_on.tolist() == [False, False, True]
+    assert found.ubA.tolist() == [OFF, OFF, 0.0]
+    np.testing.assert_allclose(found.A[2], row_of_link_2(q, closest, direction), rtol=0, atol=1e-15)
+    assert found.distance[1] == pytest.approx(0.18, abs=1e-15)
+    assert found.approach_speed[1] == pytest.approx(0.4, abs=1e-13)
+
+
 def test_a_row_never_demands_more_than_row_speed(planar2_config: Config, planar2_model: RobotModel) -> None:
     """Beside link 1, 0.05 m from the shoulder: the row is short, and -0.2 m/s would need 4 rad/s."""
     controller, q = ReferenceController(planar2_config, planar2_model), np.array([0.0, 0.5])
@@ -302,6 +317,17 @@ def test_the_limit_wins_over_the_acceleration(planar2_config: Config, planar2_mo
     controller.follow(np.array([1.0, 0.0]))
     found = controller.step(np.array([0.0, 0.5]), np.zeros(2), nothing_seen(planar2_model)).diagnostics
     assert (found.lb[0], found.ub[0]) == pytest.approx((0.6, 1.4))
+
+
+def test_the_acceleration_acts_for_one_period(planar2_config: Config, planar2_model: RobotModel) -> None:
+    """20 rad/s² for 10 ms; for a second, the velocity limits come first."""
+    controller, q = ReferenceController(planar2_config, planar2_model), np.array([0.4, 0.9])
+    controller.set_parameters(period=0.01, joint_damper=OFF)
+    np.testing.assert_allclose(decide(controller, q, np.zeros(2)).diagnostics.ub, 0.2, rtol=0, atol=1e-15)
+    controller.set_parameters(period=1.0)
+    found = decide(controller, q, np.zeros(2)).diagnostics
+    np.testing.assert_array_equal(found.ub, planar2_model.qdot_limit)
+    np.testing.assert_array_equal(found.lb, -planar2_model.qdot_limit)
 
 
 def test_posture_pulls_where_the_task_leaves_freedom(

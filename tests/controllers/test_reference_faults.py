@@ -107,6 +107,18 @@ def test_a_state_that_is_not_finite_brakes(controller: ReferenceController, wher
     assert command.qdot == pytest.approx([0.5, 0.0], abs=1e-14)
 
 
+def test_what_is_equal_to_its_limit_is_no_fault(controller: ReferenceController) -> None:
+    """A cycle after max_period, ages of sensor_timeout, readings of the whole range and of 0."""
+    controller.set_parameters(max_period=0.125, sensor_timeout=0.25)
+    step(controller, 0.0)
+    fine = seen(controller, 0.125)
+    ages = np.full(fine.tof_range.size, 0.25), np.full(fine.capacitive.size, 0.25)
+    equal = replace(fine, tof_age=ages[0], capacitive_age=ages[1])
+    assert controller.step(REST, np.zeros(2), equal).status is Status.SOLVED
+    touching = replace(fine, time=0.25, tof_range=put(fine.tof_range, 0, 0.0))
+    assert not controller.step(REST, np.zeros(2), touching).status.fault
+
+
 def test_joint_limits_have_a_tolerance(controller: ReferenceController) -> None:
     """The limits are ±3 and ±2.8 rad, the tolerance 0.1 rad."""
     for time, q in enumerate(([3.1, 0.0], [-3.1, 0.0], [0.0, 2.9], [0.0, -2.9])):

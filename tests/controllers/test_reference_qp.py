@@ -241,6 +241,29 @@ def test_kkt_residual_sees_every_condition() -> None:
     assert np.isnan(kkt_residual(program, np.array([np.nan]), zero, zero))
 
 
+@pytest.mark.parametrize(
+    ("x", "y", "z", "b", "slope", "residual"),
+    [
+        (0.5, 0.0, 0.0, 2.0, 0.0, 0.0),
+        (0.5, 0.0, 0.0, 2.0, 0.25, 0.25),  # stationarity
+        (0.75, 0.0, 0.0, 0.5, 0.0, 0.25),  # the row
+        (1.25, 0.0, 0.0, 2.0, 0.0, 0.25),  # the upper bound
+        (-0.25, 0.0, 0.0, 2.0, 0.0, 0.25),  # the lower bound
+        (0.5, -0.25, 0.0, 0.5, 0.0, 0.25),  # sign of the row's multiplier
+        (0.25, 0.5, 0.0, 0.5, 0.0, 0.125),  # room behind a row with a multiplier
+        (0.75, 0.0, 0.5, 2.0, 0.0, 0.125),  # room below ub with a multiplier
+        (0.25, 0.0, -0.5, 2.0, 0.0, 0.125),  # room above lb with a multiplier
+    ],
+)
+def test_each_condition_alone_makes_a_residual(
+    x: float, y: float, z: float, b: float, slope: float, residual: float
+) -> None:
+    """min ½x² + gx s.t. x ≤ b in [0, 1], with g such that only one condition is broken."""
+    one = np.ones(1)
+    program = QuadraticProgram(np.eye(1), (slope - x - y - z) * one, np.eye(1), b * one, 0.0 * one, one)
+    assert kkt_residual(program, x * one, y * one, z * one) == residual
+
+
 def test_row_shifts_are_not_dependent() -> None:
     shifts = row_shifts(40)
     assert (shifts >= 1e-9).all() and (shifts <= 2e-9).all()
