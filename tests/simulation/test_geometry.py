@@ -214,6 +214,7 @@ def test_ray_to_capsule_against_marching() -> None:
     origins, starts, ends = rng.uniform(-1.0, 1.0, (3, 400, 3))
     towards = 0.5 * (starts + ends) + rng.normal(0.0, 0.25, (400, 3)) - origins
     directions = towards / norm(towards)[:, None]
+    directions[60:120] *= -1.0  # the capsule is behind
     radii = rng.uniform(0.05, 0.3, 400)
     ends[:50] = starts[:50]
     directions[50:60] = (ends - starts)[50:60] / norm((ends - starts)[50:60])[:, None]

@@ -81,6 +81,8 @@ def test_figures_follow_from_the_arrays() -> None:
     assert summary["limit_violations"] == 2  # 1e-10 is rounding
     assert summary["cycle_us"]["max"] == 10.0
     assert summary["cycle_us"]["p50"] == pytest.approx(5.5)
+    assert summary["cycle_us"]["p99"] == pytest.approx(9.91)
+    assert summary["cycle_us"]["p999"] == pytest.approx(9.991)
 
 
 def test_a_first_command_is_a_change_from_rest() -> None:

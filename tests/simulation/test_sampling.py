@@ -70,6 +70,13 @@ def test_lost_samples_leave_the_older_one_in_place() -> None:
         assert fraction == pytest.approx(0.7 * 0.3**samples, abs=0.015)
 
 
+def test_a_first_sample_is_never_lost() -> None:
+    """The sensors ran before: what is held at first is a sample, and not zero."""
+    readings, ages = group(Timing(rate=100.0, dropout=0.9), count=50).update(0.5, Ramp())
+    np.testing.assert_allclose(readings, 0.5, atol=1e-12)
+    np.testing.assert_allclose(ages, 0.0, atol=1e-12)
+
+
 def test_noise_has_its_standard_deviation_and_each_sensor_its_own() -> None:
     sensor = group(Timing(rate=50.0, noise=0.005), count=100)
     readings = np.array([sensor.update(i / 50, lambda _t, k, noise: 0.4 + noise)[0] for i in range(200)])

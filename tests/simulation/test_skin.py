@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from proxgen.config.schema import Capacitive, TimeOfFlight
 from proxgen.errors import SimulationError
 from proxgen.model import RobotModel, SensorModule
-from proxgen.simulation.arm import ArmGeometry
+from proxgen.simulation.arm import ArmGeometry, SensorFrame
 from proxgen.simulation.geometry import norm
 from proxgen.simulation.obstacles import Motion, Obstacle, ObstacleField
 from proxgen.simulation.plant import JointHistory
+from proxgen.simulation.self_measurement import SelfMeasurement
 from proxgen.simulation.skin import IdealSensing, SkinSensing, open_sensing
 
 Array = NDArray[np.float64]
@@ -230,6 +231,28 @@ def test_a_sensor_does_not_see_the_link_that_carries_it(iiwa7_model: RobotModel)
     finally:
         sensing.close()
     assert measurement.tof_range[0] == pytest.approx(0.45, abs=1e-3)
+
+
+def test_the_arm_closes_switches_of_other_links_only(iiwa7_model: RobotModel) -> None:
+    """Modules 0.05 m beside the forearm that look at it: carried by it they see nothing."""
+    forearm, q = iiwa7_model.capsules[1], np.zeros(7)
+    pose = ArmGeometry(iiwa7_model).poses(q)[forearm.body]
+    beside = np.array([forearm.radius + 0.05, 0.0, 0.2])
+    inwards = np.array([-1.0, 0.0, 0.0])
+    own = SensorModule("own.0.0", forearm.body, beside, inwards, TOF, SWITCH)
+    place, normal = pose[:3, :3] @ beside + pose[:3, 3], pose[:3, :3] @ inwards
+    base = SensorModule("base.0.0", 0, place, normal, TOF, SWITCH)
+    arm = ArmGeometry(replace(iiwa7_model, modules=(own, base)))
+    poses, both = arm.poses(q), np.array([0, 1])
+    frame = SensorFrame(arm.model.modules)
+    places = (poses, *frame.place(poses, both), frame.body)
+    limits = np.full((2, 1), SWITCH.trigger), np.full((2, 1), np.cos(0.5 * SWITCH.cone))
+    assert SelfMeasurement(arm, 0.0).of_switches(*places, *limits).tolist() == [False, True]
+    away = (poses, places[1], -places[2], frame.body)
+    assert SelfMeasurement(arm, 0.0).of_switches(*away, *limits).tolist() == [False, False]
+    near = limits[0] - 0.06, limits[1]
+    assert SelfMeasurement(arm, 0.0).of_switches(*places, *near).tolist() == [False, False]
+    assert SelfMeasurement(arm, 0.02).of_switches(*places, *near).tolist() == [False, True]
 
 
 def test_ideal_points_are_the_nearest_ones(iiwa7_model: RobotModel) -> None:

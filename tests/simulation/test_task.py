@@ -53,6 +53,19 @@ def test_a_single_target_counts_once_and_is_held(iiwa7_model: RobotModel) -> Non
     assert velocity.xdot[0] == pytest.approx(-0.02)
 
 
+def test_a_pose_is_reached_only_with_its_orientation(any_model: RobotModel) -> None:
+    """At the target's position, turned by more than the tolerance about x, and then by less."""
+    rows = [row for row in any_model.task_rows if row.startswith("r")]
+    for angle in (0.06, 0.04):
+        tracker = TargetTracker(
+            Task(angular_tolerance=0.05), any_model, (Target(np.zeros(3), np.eye(3)),), np.eye(4)
+        )
+        velocity = tracker.update(pose((0.0, 0.0, 0.0), rotation_of((angle, 0.0, 0.0))))
+        assert velocity.angle <= angle + 1e-12
+        assert tracker.reached == (velocity.angle < 0.05)
+        assert (tracker.reached == 0) == (bool(rows) and angle > 0.05)
+
+
 def test_no_target_is_an_error(iiwa7_model: RobotModel) -> None:
     with pytest.raises(SimulationError, match="no target"):
         TargetTracker(Task(), iiwa7_model, (), np.eye(4))
