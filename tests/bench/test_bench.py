@@ -62,7 +62,9 @@ def test_raw_and_best_are_kept_apart(benchmark_of_planar2: Benchmark) -> None:
 
 def test_heap_calls_are_counted(benchmark_of_planar2: Benchmark) -> None:
     """DAQP makes none; qpOASES many, which shows that the count counts."""
-    for row in rows_named(benchmark_of_planar2, "cycle, raw"):
+    rows = rows_named(benchmark_of_planar2, "cycle, raw")
+    assert {row["backend"] for row in rows} == {"daqp", "qpoases"}
+    for row in rows:
         if row["backend"] == "daqp":
             assert row["heap_allocations_per_cycle"] == 0.0
         else:

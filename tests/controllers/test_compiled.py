@@ -22,8 +22,8 @@ def test_a_cycle_in_free_space_solves_the_task(controller: CompiledController, n
     H, g = found.H, found.g
     np.testing.assert_allclose(H, H.T)
     expected = np.clip(np.linalg.solve(H, -g), found.lb, found.ub)
-    if np.all((found.lb < expected) & (expected < found.ub)):
-        np.testing.assert_allclose(command.qdot, expected, atol=1e-9)
+    assert np.all((found.lb < expected) & (expected < found.ub)), "a bound acts"
+    np.testing.assert_allclose(command.qdot, expected, atol=1e-9)
     assert np.all(found.lb <= command.qdot) and np.all(command.qdot <= found.ub)
 
 
@@ -178,8 +178,7 @@ def test_bad_measurements_have_a_status_and_are_no_error(
     assert controller.step(Q * np.nan, XDOT, nothing).status is Status.FAULT_NOT_FINITE
     stale = dataclasses.replace(nothing, tof_age=np.full(len(nothing.tof_range), 5.0))
     fresh = dataclasses.replace(nothing, time=2.0, tof_age=np.zeros(len(nothing.tof_range)))
-    if len(nothing.tof_range):
-        assert controller.step(Q, XDOT, stale).status is Status.FAULT_STALE
+    assert controller.step(Q, XDOT, stale).status is Status.FAULT_STALE
     assert controller.step(Q, XDOT, fresh).status is Status.SOLVED
     assert controller.step(Q, XDOT, fresh).status is Status.FAULT_TIME
     assert controller.step(Q, XDOT, dataclasses.replace(nothing, time=3.0)).status is Status.SOLVED
@@ -189,9 +188,8 @@ def test_ages_that_are_no_longer_given_are_fresh_again(
     controller: CompiledController, nothing: Measurement
 ) -> None:
     old = np.full(len(nothing.capacitive), 5.0)
-    if len(old):
-        stale = dataclasses.replace(nothing, capacitive_age=old)
-        assert controller.step(Q, XDOT, stale).status is Status.FAULT_STALE
+    stale = dataclasses.replace(nothing, capacitive_age=old)
+    assert controller.step(Q, XDOT, stale).status is Status.FAULT_STALE
     assert controller.step(Q, XDOT, dataclasses.replace(nothing, time=2.0)).status is Status.SOLVED
 
 

@@ -60,6 +60,7 @@ def test_capsules_just_contain_the_geometry(made: tuple[ArmRecipe, Path]) -> Non
 def test_modules_lie_outside_the_capsules_of_their_links(made: tuple[ArmRecipe, Path]) -> None:
     model = model_of(made[1])
     posture = Posture(model, np.zeros(model.n))
+    assert model.modules
     for module in model.modules:
         pose = posture.poses[module.body]
         gaps = posture.gaps((pose[:3, :3] @ module.position + pose[:3, 3])[None])[0]

@@ -79,6 +79,9 @@ def test_nearest_points_of_a_mixed_field_against_sampled_surfaces() -> None:
     rng, field, time = np.random.default_rng(7), mixed_field(), 1.3
     starts, ends = rng.uniform(-1.0, 1.0, (2, 12, 3))
     points, segments = field.near_points(time, starts), field.near_segments(time, starts, ends)
+    assert ((points.distance > 0.0).sum(axis=0) >= 6).all() and (
+        (segments.distance > 0.0).sum(axis=0) >= 4
+    ).all()
     for o, obstacle in enumerate(field.obstacles):
         sample = surface_sample(obstacle, time, rng)
         for k in range(12):
