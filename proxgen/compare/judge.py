@@ -27,7 +27,7 @@ class Tolerances:
 
     Attributes:
         qdot: of the velocity, and of the slack [rad/s].
-        matrices: of H, g, A, ubA, lb, ub and the distances.
+        matrices: of H, g, A, ubA, lb, ub, the distances, and all other diagnostics.
         kkt: residual of the candidate's velocity, and how far it may be outside its bounds.
     """
 
@@ -43,11 +43,16 @@ class Tolerances:
 
 
 QUANTITIES = (
-    "qdot", "slack", "H", "g", "A", "ubA", "lb", "ub", "distance", "self_distance", "tangent", "kkt_residual",
-    "bound_penetration",
+    "qdot", "slack", "H", "g", "A", "ubA", "lb", "ub", "distance", "self_distance", "tangent",
+    "nearest_point", "approach_speed", "manipulability", "damping", "kkt_residual", "bound_penetration",
 )  # fmt: skip
 """What is measured in every cycle; nan where a cycle does not have it."""
 
+OF_A_QP = (
+    "H", "g", "distance", "self_distance", "tangent", "nearest_point", "approach_speed", "manipulability",
+    "damping",
+)  # fmt: skip
+"""Those of the diagnostics that a cycle has unless it ends in a fault, whatever rows are on."""
 
 COUNTS = ("self_readings", "memory_points", "circulating")
 """What additions count, which has to be the same; 0 for both where an addition is off."""
@@ -99,7 +104,7 @@ class Judge:
         _check_shapes(mine, theirs)
         errors = dict.fromkeys(QUANTITIES, np.nan)
         findings: list[str] = []
-        pairs: dict[str, tuple[Array, Array]] = {}
+        pairs = {name: _pair(mine, theirs, name) for name in ("lb", "ub")}
         rows_differ = np.zeros(0, dtype=bool)
         if candidate.status == reference.status:
             pairs["qdot"] = candidate.qdot, reference.qdot
@@ -109,10 +114,7 @@ class Judge:
         if candidate.status != reference.status and not tied:
             findings.append(self._status_sentence(candidate.status, reference.status, theirs))
         if not candidate.status.fault and not reference.status.fault:
-            pairs |= {name: (getattr(mine, name), getattr(theirs, name)) for name in ("H", "g", "lb", "ub")}
-            pairs["distance"] = mine.distance, theirs.distance
-            pairs["self_distance"] = mine.self_distance, theirs.self_distance
-            pairs["tangent"] = mine.tangent, theirs.tangent
+            pairs |= {name: _pair(mine, theirs, name) for name in OF_A_QP}
             findings += _count_sentences(mine, theirs)
             both = mine.row_on & theirs.row_on
             pairs["A"] = _where(both, mine.A), _where(both, theirs.A)
@@ -197,12 +199,17 @@ class Judge:
 
 def _check_shapes(mine: Diagnostics, theirs: Diagnostics) -> None:
     """Refuse to compare different arms."""
-    for name in ("H", "g", "A", "ubA", "lb", "ub", "row_on", "distance", "slack", "self_distance", "tangent"):
+    for name in (*OF_A_QP, "A", "ubA", "lb", "ub", "row_on", "slack"):
         a, b = np.shape(getattr(mine, name)), np.shape(getattr(theirs, name))
         if a != b:
             raise CompareError(
                 f"diagnostics.{name} is {a}, in the reference {b}: not controllers of the same arm"
             )
+
+
+def _pair(mine: Diagnostics, theirs: Diagnostics, name: str) -> tuple[Array, Array]:
+    """The same of both sides, a number as an array of one."""
+    return np.atleast_1d(getattr(mine, name)), np.atleast_1d(getattr(theirs, name))
 
 
 def _where(rows: NDArray[np.bool_], array: Array) -> Array:

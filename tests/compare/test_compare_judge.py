@@ -19,6 +19,7 @@ from distorted import (
 
 from proxgen.compare import Comparison, Judge, Tolerances, compare_controllers_on, random_states
 from proxgen.compare.comparison import MAX_SENTENCES
+from proxgen.compare.judge import QUANTITIES
 from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Controller, Status
 from proxgen.controllers.reference import ReferenceController
@@ -64,6 +65,10 @@ WRONG: dict[str, tuple[Change, str]] = {
     "upper bounds": (negated("ub", 6), "ub[6"),
     "velocity": (with_qdot(factor=-1.0), "qdot["),
     "distance": (moved("distance", 1e-6), "distance[0]"),
+    "nearest points": (negated("nearest_point"), "nearest_point["),
+    "speed of the law": (negated("approach_speed"), "approach_speed["),
+    "manipulability": (moved("manipulability", 1e-6), "manipulability[0]"),
+    "damping": (moved("damping", 1e-6), "damping[0]"),
     "rows on": (
         lambda c: with_diagnostics(c, row_on=~c.diagnostics.row_on),
         "row 0 is o",
@@ -126,6 +131,42 @@ def test_tolerances_are_held(
         judged(planar2_config, planar2_model, candidate, fresh(planar2_config, planar2_model)).verdict
         == verdict
     )
+
+
+def test_every_quantity_has_the_tolerance_that_is_promised() -> None:
+    """1e-8 rad/s and 1e-10 of all that a QP is made of, to be found in the sentence that a finding makes."""
+    velocities, certificates = {"qdot", "slack"}, {"kkt_residual", "bound_penetration"}
+    matrices = {
+        "H", "g", "A", "ubA", "lb", "ub", "distance", "self_distance", "tangent", "nearest_point",
+        "approach_speed", "manipulability", "damping",
+    }  # fmt: skip
+    found = {name: Tolerances().of(name) for name in QUANTITIES}
+    assert found == dict.fromkeys(velocities | certificates, 1e-8) | dict.fromkeys(matrices, 1e-10)
+    apart = Tolerances(qdot=1.0, matrices=2.0, kkt=3.0)
+    found = {name: apart.of(name) for name in QUANTITIES}
+    assert found == (
+        dict.fromkeys(velocities, 1.0) | dict.fromkeys(matrices, 2.0) | dict.fromkeys(certificates, 3.0)
+    )
+
+
+def test_the_velocity_is_held_to_its_own_tolerance(planar2_config: Config, planar2_model: RobotModel) -> None:
+    """Not only by its residual: an answer that is 2e-8 rad/s off is named."""
+    candidate = Distorted(fresh(planar2_config, planar2_model), with_qdot(offset=2e-8))
+    loose = Tolerances(kkt=1.0)
+    states = random_states(planar2_config, planar2_model, 20, seed=SEED)
+    reference = fresh(planar2_config, planar2_model)
+    result = compare_controllers_on(planar2_config, states, candidate, reference, tolerances=loose)
+    assert result.failures and all("qdot[" in sentence for sentence in result.failures)
+
+
+def test_bounds_are_compared_after_a_fault_too(planar2_config: Config, planar2_model: RobotModel) -> None:
+    states = list(random_states(planar2_config, planar2_model, 100, seed=SEED, faults=1.0))
+    for name in ("lb", "ub"):
+        candidate = Distorted(fresh(planar2_config, planar2_model), moved(name, 1e-6))
+        reference = fresh(planar2_config, planar2_model)
+        result = compare_controllers_on(planar2_config, states, candidate, reference)
+        assert result.scenes[0].findings >= 100
+        assert all(f"{name}[0]" in sentence for sentence in result.scenes[0].sentences)
 
 
 def test_other_tolerances_can_be_asked_for(planar2_config: Config, planar2_model: RobotModel) -> None:
