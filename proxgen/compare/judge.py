@@ -105,7 +105,7 @@ class Judge:
         errors = dict.fromkeys(QUANTITIES, np.nan)
         findings: list[str] = []
         pairs = {name: _pair(mine, theirs, name) for name in ("lb", "ub")}
-        rows_differ = np.zeros(0, dtype=bool)
+        rows_differ = mine.row_on != theirs.row_on
         if candidate.status == reference.status:
             pairs["qdot"] = candidate.qdot, reference.qdot
             if candidate.status.success:
@@ -119,8 +119,7 @@ class Judge:
             both = mine.row_on & theirs.row_on
             pairs["A"] = _where(both, mine.A), _where(both, theirs.A)
             pairs["ubA"] = _where(both, mine.ubA), _where(both, theirs.ubA)
-            rows_differ = mine.row_on != theirs.row_on
-            findings += [_row_sentence(int(row), mine) for row in np.flatnonzero(rows_differ)]
+        findings += [_row_sentence(int(row), mine) for row in np.flatnonzero(rows_differ)]
         for name, (a, b) in pairs.items():
             errors[name], worst = _greatest_difference(a, b)
             if errors[name] > self.tolerances.of(name):

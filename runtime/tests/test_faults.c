@@ -117,10 +117,17 @@ static void a_deadline_that_is_missed(void) {
   CHECK_EQUAL(rig_step(&rig), PG_SOLVED);
   rig.seen.time += 1000.0; /* max_period 0: not checked */
   CHECK_EQUAL(rig_step(&rig), PG_SOLVED);
-  p.max_period = 0.1;
+  p.max_period = 0.125;
   CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
+  rig.seen.time = 8.0;
+  CHECK_EQUAL(rig_step_now(&rig), PG_FAULT_TIME); /* before the last cycle */
+  CHECK(pg_reset(rig.controller) == PG_SOLVED);
+  memset(rig.qdot, 0, sizeof rig.qdot);
+  CHECK_EQUAL(rig_step_now(&rig), PG_SOLVED);
+  rig.seen.time = 8.125; /* just in time */
+  CHECK_EQUAL(rig_step_now(&rig), PG_SOLVED);
   rig_speed_up(&rig, moving);
-  rig.seen.time += 0.1;
+  rig.seen.time += 0.125;
   CHECK_EQUAL(rig_step(&rig), PG_FAULT_DEADLINE);
   CHECK_EQUAL(rig_step(&rig), PG_SOLVED); /* the late time was taken note of */
   rig_close(&rig);

@@ -1,6 +1,7 @@
 import copy
 import dataclasses
 import pickle
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +9,8 @@ import numpy as np
 import pytest
 from compiled_tools import XDOT, Q, free_space
 
+from proxgen.compare import random_states
+from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
 from proxgen.controllers.protocol import OFF, Diagnostics, Measurement, Status
 from proxgen.errors import ControllerError
@@ -210,6 +213,30 @@ def test_counters_add_up(controller: CompiledController, planar2_model: RobotMod
     assert counted.cycles == 4 == sum(counted.status_count.values())
     assert counted.status_count == {Status.SOLVED: 3, Status.FAULT_TIME: 1}
     assert counted.solves == 3 and counted.certificate_failures == 0
+
+
+def test_counters_are_the_sums_of_the_cycles(
+    controller: CompiledController, planar2_config: Config, planar2_model: RobotModel
+) -> None:
+    """Over states of all kinds, with several solves in a cycle."""
+    states = random_states(planar2_config, planar2_model, 300, seed=71)
+    commands = [controller.step(state.q, state.xdot, state.measurement) for state in states]
+    counted, cycles = controller.counters, [command.diagnostics for command in commands]
+    assert counted.status_count == Counter(command.status for command in commands)
+    assert counted.solves == sum(cycle.solves for cycle in cycles)
+    assert max(cycle.solves for cycle in cycles) > 2
+    assert counted.iterations == sum(cycle.iterations for cycle in cycles)
+    assert counted.second_chances == sum(cycle.second_chances for cycle in cycles)
+    assert counted.max_iterations_in_cycle == max(cycle.iterations for cycle in cycles) > 1
+
+
+def test_no_row_is_on_after_a_fault(controller: CompiledController, planar2_model: RobotModel) -> None:
+    """Whatever the cycle before said."""
+    beside = np.array([[0.2, 0.2, 0.1]])
+    assert controller.step(Q, XDOT, free_space(planar2_model, 1.0, beside)).diagnostics.row_on.any()
+    for q, time in ((Q, 0.5), (Q * np.nan, 1.5)):
+        command = controller.step(q, XDOT, free_space(planar2_model, time, beside))
+        assert command.status.fault and not command.diagnostics.row_on.any()
 
 
 def test_reset_forgets_the_time_and_keeps_the_counters(
