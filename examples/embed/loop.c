@@ -1,12 +1,13 @@
-/* A control loop at 1 kHz in C, with absolute deadlines, that measures its own overruns.
+/* A control loop at 1 kHz in C, with absolute deadlines, slower sensors, and its own overruns measured.
  *
  *     loop [SECONDS]                     (real-time priority, where it is allowed: chrt -f 80 loop 10)
  *
- * Arm and skin are stood for by a few lines: the arm follows its command exactly, the skin sees nothing, and
- * an obstacle that a camera might see comes and goes beside the elbow. */
+ * Arm and skin are stood for by a few lines: the arm follows its command exactly, the skin sees nothing and
+ * says so every 10 ms, and an obstacle that a camera might see comes and goes beside the elbow. */
 #define _POSIX_C_SOURCE 200809L
 #include <iiwa7/controller.h>
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,6 +17,7 @@
 #define PERIOD     1000000L /* [ns] */
 #define SECOND     1000000000L
 #define MAX_PERIOD 0.02 /* [s] a cycle that comes later than this brakes: PG_FAULT_DEADLINE */
+#define SKIN_EVERY 10   /* cycles between two readings of a module */
 
 typedef struct {
   long cycles, overruns, skipped;  /* deadlines met by a cycle; commands after the next deadline; left out */
@@ -40,15 +42,40 @@ static long greater(long a, long b) {
   return a > b ? a : b;
 }
 
+/* What the skin said last. Each module has a range sensor and a switch, which it reads together. */
+typedef struct {
+  long cycle;
+  double range[IIWA7_TOF];
+  unsigned char closed[IIWA7_TOF];
+  double taken[IIWA7_TOF], age[IIWA7_TOF]; /* [s] when it was read, and how long ago */
+} skin_t;
+_Static_assert(IIWA7_TOF == IIWA7_CAPACITIVE, "modules have both sensors");
+
+/* A tenth of the modules is read in each cycle, the others become older. The controller brakes where one is
+ * older than sensor_timeout (PG_FAULT_STALE): without ages it could not know that a cable is off. */
+static void read_skin(skin_t *skin, double time) {
+  for (int i = 0; i < IIWA7_TOF; i++) {
+    if (skin->cycle == 0 || skin->cycle % SKIN_EVERY == i % SKIN_EVERY) {
+      skin->range[i] = iiwa7_tof[i].range; /* nothing seen */
+      skin->closed[i] = 0;
+      skin->taken[i] = time;
+    }
+    skin->age[i] = time - skin->taken[i];
+  }
+  skin->cycle++;
+}
+
 /* One cycle: sense, decide, command. */
-static pg_status_t cycle(iiwa7_controller_t *controller, double time, double q[IIWA7_JOINTS]) {
-  static double ranges[IIWA7_TOF];
-  static unsigned char switches[IIWA7_CAPACITIVE];
-  for (int i = 0; i < IIWA7_TOF; i++)
-    ranges[i] = iiwa7_tof[i].range; /* nothing seen */
+static pg_status_t cycle(iiwa7_controller_t *controller, skin_t *skin, double time, double q[IIWA7_JOINTS]) {
+  read_skin(skin, time);
   const double obstacle[3] = {0.35, 0.25 * cos(time), 0.75};
-  const iiwa7_measurement_t seen = {
-      .time = time, .tof_range = ranges, .capacitive = switches, .points = obstacle, .point_count = 1};
+  const iiwa7_measurement_t seen = {.time = time,
+                                    .tof_range = skin->range,
+                                    .tof_age = skin->age,
+                                    .capacitive = skin->closed,
+                                    .capacitive_age = skin->age,
+                                    .points = obstacle,
+                                    .point_count = 1};
 
   const double xdot[IIWA7_TASK_ROWS] = {0.0, 0.1 * cos(2.0 * time), 0.1 * sin(2.0 * time)};
   double qdot[IIWA7_JOINTS];
@@ -58,9 +85,19 @@ static pg_status_t cycle(iiwa7_controller_t *controller, double time, double q[I
   return status;
 }
 
+/* Sleeps until the deadline, whatever signals come in between. 0: it is there. */
+static int sleep_until(const struct timespec *deadline) {
+  int error;
+  do {
+    error = clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, deadline, NULL);
+  } while (error == EINTR);
+  return error;
+}
+
 /* Runs until `count` deadlines are over. One that has passed already is left out, not caught up with. */
 static int run(iiwa7_controller_t *controller, long count, timing_t *timing) {
   double q[IIWA7_JOINTS] = {0.0, 0.5, 0.0, -1.5, 0.0, 1.0, 0.0};
+  skin_t skin = {0};
   struct timespec begin, deadline;
   clock_gettime(CLOCK_MONOTONIC, &begin);
   deadline = begin;
@@ -70,10 +107,10 @@ static int run(iiwa7_controller_t *controller, long count, timing_t *timing) {
       timing->skipped++;
       continue;
     }
-    if (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, NULL) != 0) return 1;
+    if (sleep_until(&deadline)) return 1;
     const long start = nanoseconds_since(&deadline);
-    if (cycle(controller, 1e-9 * (double)nanoseconds_since(&begin), q) < PG_SOLVED)
-      return 1; /* a wrong call */
+    const double time = 1e-9 * (double)nanoseconds_since(&begin);
+    if (cycle(controller, &skin, time, q) < PG_SOLVED) return 1; /* a wrong call */
     const long end = nanoseconds_since(&deadline);
     timing->cycles++;
     timing->overruns += end >= PERIOD;
@@ -89,8 +126,8 @@ int main(int argc, char **argv) {
   iiwa7_parameters_t parameters;
   iiwa7_counters_t counters;
   const double seconds = argc > 1 ? atof(argv[1]) : 2.0;
-  mlockall(MCL_CURRENT |
-           MCL_FUTURE); /* no page faults later; where it is not allowed, the loop runs all the same */
+  /* No page faults later; where this is refused, the loop runs all the same. */
+  mlockall(MCL_CURRENT | MCL_FUTURE);
 
   if (iiwa7_create_in(memory, sizeof memory, &controller) != PG_SOLVED ||
       iiwa7_get_parameters(controller, &parameters) != PG_SOLVED)

@@ -1,9 +1,11 @@
-// The same loop in C++17: a range sensor that sees something, thresholds changed while it runs, diagnostics.
+// The same loop in C++17: a range sensor that sees something, readings of different ages, thresholds changed
+// while it runs, diagnostics.
 //
 //     loop [SECONDS]
 #include <iiwa7/controller.hpp>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -51,6 +53,35 @@ private:
   long cycles_ = 0, overruns_ = 0, skipped_ = 0;
 };
 
+// Modules that are read every 10 ms, one tenth of them in each cycle.
+class Skin {
+public:
+  Skin() {
+    seen_.tof_age.emplace();
+    seen_.capacitive_age.emplace();
+  }
+  // What they said last, and how long ago.
+  const iiwa7::Measurement &read(double time) {
+    const bool first = cycle_ == 0;
+    for (std::size_t i = 0; i < taken_.size(); i++) {
+      if (first || cycle_ % every == i % every) {
+        taken_[i] = time;
+        if (i == 0) seen_.tof_range[i] = 0.15 + 0.10 * std::cos(time); // [m] the others see nothing
+      }
+      (*seen_.tof_age)[i] = (*seen_.capacitive_age)[i] = time - taken_[i];
+    }
+    cycle_++;
+    seen_.time = time;
+    return seen_;
+  }
+
+private:
+  static constexpr std::size_t every = 10;
+  iiwa7::Measurement seen_{};
+  std::array<double, IIWA7_TOF> taken_{}; // [s]
+  std::size_t cycle_ = 0;
+};
+
 bool set_up(iiwa7::Controller &controller) {
   iiwa7::Parameters parameters{};
   if (controller.get(parameters) != PG_SOLVED) return false;
@@ -79,14 +110,12 @@ int main(int argc, char **argv) {
   }
   iiwa7::JointVector q{0.0, 0.5, 0.0, -1.5, 0.0, 1.0, 0.0};
   double nearest = INFINITY;
+  Skin skin;
   Metronome metronome;
   for (long passed = 0; passed < count; passed++) {
     if (passed == count / 2 && !be_careful(controller)) return 1;
     if (!metronome.wait()) continue;
-    iiwa7::Measurement seen; // nothing, but
-    seen.time = metronome.time();
-    seen.tof_range[0] = 0.15 + 0.10 * std::cos(seen.time); // [m] what the first module sees
-    const iiwa7::Command command = controller.step(q, {0.0, 0.05, 0.0}, seen);
+    const iiwa7::Command command = controller.step(q, {0.0, 0.05, 0.0}, skin.read(metronome.time()));
     if (command.status < PG_SOLVED) return 1; // a wrong call
     for (std::size_t j = 0; j < q.size(); j++)
       q[j] += 1e-3 * command.qdot[j];

@@ -12,6 +12,7 @@ from proxgen.builder.toolchain import run
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples" / "embed"
 STRANGER = Path(__file__).parent / "data" / "stranger.c"
+INTERRUPT = Path(__file__).parent / "data" / "interrupt.c"
 SYSTEM = {"linux-vdso.so", "libm.so", "libc.so", "libstdc++.so", "libgcc_s.so"}
 
 
@@ -64,6 +65,31 @@ def test_makefile_with_pkg_config(package: Path, examples: Path, tmp_path: Path)
     call("make", "-C", examples, f"PKG_CONFIG_PATH={search}", f"OUT={tmp_path / 'out'}")
     check_loop(call(tmp_path / "out" / "loop", "0.1"), 100)
     check_loop(call(tmp_path / "out" / "loop_cpp", "0.1"), 100)
+
+
+@pytest.mark.parametrize("loop", ["loop", "loop_cpp"])
+def test_signals_do_not_end_the_loop(loop: str, package: Path, examples: Path, tmp_path: Path) -> None:
+    search, interrupt = package / "lib" / "pkgconfig", tmp_path / "interrupt.so"
+    program = tmp_path / loop
+    call("make", "-C", examples, f"PKG_CONFIG_PATH={search}", f"OUT={tmp_path}", program)
+    call("cc", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC", INTERRUPT, "-o", interrupt)
+    check_loop(call(program, "0.1", LD_PRELOAD=interrupt), 100)
+
+
+def test_the_loops_say_how_old_their_readings_are(package: Path, examples: Path, tmp_path: Path) -> None:
+    """With readings that are never renewed, what they report is stale: a module that is off is noticed."""
+    for name, renewed, once in (
+        ("loop.c", "skin->cycle == 0 || skin->cycle % SKIN_EVERY == i % SKIN_EVERY", "skin->cycle == 0"),
+        ("loop.cpp", "first || cycle_ % every == i % every", "first"),
+    ):
+        text = (examples / name).read_text()
+        assert text.count(renewed) == 1
+        (examples / name).write_text(text.replace(renewed, once))
+    call("make", "-C", examples, f"PKG_CONFIG_PATH={package / 'lib' / 'pkgconfig'}", f"OUT={tmp_path}")
+    for program in ("loop", "loop_cpp"):
+        output = call(tmp_path / program, "0.4")
+        check_loop(output, 400)
+        assert re.search(r"^FAULT_STALE: \d+$", output, re.M)
 
 
 def test_a_stranger_needs_forty_lines_and_one_command(package: Path, tmp_path: Path) -> None:
