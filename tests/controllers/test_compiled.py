@@ -218,13 +218,12 @@ def test_counters_add_up(controller: CompiledController, planar2_model: RobotMod
 def test_counters_are_the_sums_of_the_cycles(
     controller: CompiledController, planar2_config: Config, planar2_model: RobotModel
 ) -> None:
-    """Over states of all kinds, with several solves in a cycle."""
+    """Over states of all kinds, of which some need no solve."""
     states = random_states(planar2_config, planar2_model, 300, seed=71)
     commands = [controller.step(state.q, state.xdot, state.measurement) for state in states]
     counted, cycles = controller.counters, [command.diagnostics for command in commands]
     assert counted.status_count == Counter(command.status for command in commands)
-    assert counted.solves == sum(cycle.solves for cycle in cycles)
-    assert max(cycle.solves for cycle in cycles) > 2
+    assert counted.solves == sum(cycle.solves for cycle in cycles) < counted.cycles == 300
     assert counted.iterations == sum(cycle.iterations for cycle in cycles)
     assert counted.second_chances == sum(cycle.second_chances for cycle in cycles)
     assert counted.max_iterations_in_cycle == max(cycle.iterations for cycle in cycles) > 1
