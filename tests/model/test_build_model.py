@@ -208,7 +208,7 @@ def test_a_urdf_that_makes_no_sense_says_why(tmp_path: Path, capfd: pytest.Captu
         (
             r'<axis xyz="[^"]*"',
             '<axis xyz="1 nan 0"',
-            "joint 'joint_0' has the axis \"nan 0 0\", which is no direc",
+            "joint 'joint_0' has the axis \"1 nan 0\", which is no direc",
         ),
         (r'upper="[^"]*"', 'upper="2 rad"', '<limit upper="2 rad">: a number is needed'),
     ],
