@@ -153,7 +153,12 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
     CHECK(isfinite(qdot[j]) && qdot[j] >= cycle->lb[j] && qdot[j] <= cycle->ub[j]);
     CHECK(fabs(qdot[j]) <= controller->parameters.qdot_limit[j]);
   }
-  if (status < PG_STOPPED_INFEASIBLE) CHECK(cycle->kkt_residual <= PG_TOLERANCE && cycle->solves > 0);
+  if (status < PG_STOPPED_INFEASIBLE) { /* what leaves is what was certified, of several answers too */
+    const pg_qp_t stage = pg_stage_of(controller);
+    CHECK(cycle->kkt_residual <= PG_TOLERANCE && cycle->solves > 0);
+    CHECK(pg_kkt_residual(&stage, &controller->solution) == cycle->kkt_residual);
+    CHECK(memcmp(qdot, controller->solution.x, PG_N * sizeof(double)) == 0);
+  }
   CHECK(cycle->solves <= 20 && cycle->iterations <= 5 * (1 + 3 * 4) * PG_MAX_ITERATIONS);
   for (int slot = 0; slot < PG_ROWS; slot++) {
     double squared = 0.0;

@@ -84,6 +84,50 @@ static void accepts_the_solution_and_nothing_else(void) {
   }
 }
 
+/* Next to a great multiplier, or a great pull on a bound, what is left of the room is no longer nothing. */
+static void what_is_small_may_weigh_much(void) {
+  random_t random = {12};
+  for (int i = 0; i < 100; i++) {
+    problem_t p;
+    make_problem(&random, &p, 0);
+    for (int j = 0; j < PG_N; j++)
+      p.A[j] *= 1e-9;
+    p.ubA[0] *= 1e-9;
+    p.solution.y[0] *= 1e9;
+    CHECK(pg_kkt_residual(&p.qp, &p.solution) <= 1e-6);
+    p.ubA[0] += 1e-12;
+    CHECK(pg_kkt_residual(&p.qp, &p.solution) >= 1e-5);
+    make_problem(&random, &p, 0);
+    p.g[PG_N - 1] += 1e9;
+    CHECK(pg_kkt_residual(&p.qp, &p.solution) <= 1e-6);
+    p.solution.x[PG_N - 1] += 1e-12;
+    CHECK(pg_kkt_residual(&p.qp, &p.solution) >= 1e-4);
+  }
+}
+
+/* Rows that exclude each other by less than the tolerance prove nothing: q <= -0.1 - excess and -q <= 0.1. */
+static void a_proof_goes_beyond_the_tolerance(void) {
+  random_t random = {13};
+  problem_t p;
+  make_problem(&random, &p, 0);
+  memset(p.A, 0, sizeof p.A);
+  p.A[0] = 1.0;
+  p.A[PG_N] = -1.0;
+  for (int i = 2; i < PG_ROWS; i++)
+    p.ubA[i] = PG_OFF;
+  for (int j = 0; j < PG_N; j++)
+    p.lb[j] = -1.0, p.ub[j] = 1.0;
+  double y[PG_ROWS] = {0.5, 0.5};
+  p.ubA[1] = 0.1;
+  for (int k = 0; k < 3; k++) {
+    const double excess[] = {0.0, 1.9 * PG_TOLERANCE, 2.1 * PG_TOLERANCE};
+    p.ubA[0] = -0.1 - excess[k];
+    CHECK_EQUAL(pg_proves_infeasible(&p.qp, y), k == 2);
+    const double twice[PG_ROWS] = {1.0, 1.0}; /* the scale does not matter */
+    CHECK_EQUAL(pg_proves_infeasible(&p.qp, twice), k == 2);
+  }
+}
+
 static void polish_makes_exact(void) {
   random_t random = {6};
   for (int i = 0; i < 2000; i++) {
@@ -173,6 +217,8 @@ static void contradictions_with_the_bounds(void) {
 
 int main(void) {
   accepts_the_solution_and_nothing_else();
+  what_is_small_may_weigh_much();
+  a_proof_goes_beyond_the_tolerance();
   polish_makes_exact();
   polish_with_rows_that_depend_on_each_other();
   contradictions_are_found_and_proven();

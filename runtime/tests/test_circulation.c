@@ -193,6 +193,105 @@ static void another_way_round(void) {
   rig_close(&rig);
 }
 
+/* Times of whole cycles last so many cycles, though eight times 0.1 s add up to a little less than 0.8 s. */
+static void times_of_whole_cycles(void) {
+  rig_t rig;
+  open_blocked(&rig);
+  pg_parameters_t p = rig_parameters(&rig);
+  p.period = 0.1;
+  p.stall_time = p.circulation_release_time = p.circulation_patience = 0.8;
+  CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
+  CHECK_EQUAL(get_stuck(&rig), 8);
+  for (int i = 1; i <= 8; i++) {
+    CHECK_NEAR(rig.cycle->tangent[1], 1.0, 1e-12);
+    turn(&rig);
+  }
+  CHECK_NEAR(rig.cycle->tangent[1], -1.0, 1e-12);
+  rig.xdot[0] = 0.0; /* nothing is asked for: the way is clear */
+  for (int i = 1; i <= 8; i++) {
+    CHECK_EQUAL(rig.cycle->circulating, 1);
+    turn(&rig);
+  }
+  CHECK_EQUAL(rig.cycle->circulating, 0);
+  rig_close(&rig);
+}
+
+/* At its time limit circulation goes on, beyond it no more; numbers without rounding. */
+static void the_time_limit(void) {
+  rig_t rig;
+  open_blocked(&rig);
+  pg_parameters_t p = rig_parameters(&rig);
+  p.period = 0.125;
+  p.circulation_patience = 100.0;
+  p.circulation_time_limit = 1.0;
+  CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
+  get_stuck(&rig);
+  for (int i = 1; i <= 8; i++) {
+    turn(&rig);
+    CHECK_EQUAL(rig.cycle->circulating, 1);
+  }
+  turn(&rig);
+  CHECK_EQUAL(rig.cycle->circulating, 0);
+  rig_close(&rig);
+}
+
+/* Time with progress counts against time without. */
+static void failing_is_forgotten(void) {
+  rig_t rig;
+  open_blocked(&rig);
+  get_stuck(&rig);
+  for (int i = 0; i < 30; i++)
+    turn(&rig);
+  move(&rig, 0.0, 0.1); /* along the tangent */
+  for (int i = 0; i < 10; i++)
+    turn(&rig);
+  CHECK_NEAR(state_of(&rig)->failing, 20 * STEP, 1e-12);
+  move(&rig, 0.0, 0.0);
+  for (int i = 0; i < 29; i++)
+    turn(&rig);
+  CHECK_NEAR(rig.cycle->tangent[1], 1.0, 1e-12);
+  turn(&rig);
+  CHECK_NEAR(rig.cycle->tangent[1], -1.0, 1e-12);
+  rig_close(&rig);
+}
+
+/* The other way round is along the surface: of the normal, wherever the task points. */
+static void another_way_along_the_surface(void) {
+  rig_t rig;
+  open_blocked(&rig);
+  get_stuck(&rig);
+  rig.controller->nearest[1].direction[0] = 0.8;
+  rig.controller->nearest[1].direction[1] = 0.6;
+  for (int i = 0; i < 50; i++)
+    turn(&rig);
+  CHECK_NEAR(rig.cycle->tangent[0], 0.6, 1e-12);
+  CHECK_NEAR(rig.cycle->tangent[1], -0.8, 1e-12);
+  rig_close(&rig);
+}
+
+/* Weights: -2 against the way that failed, 1/2 for the way that was taken not long ago; the bias decides. */
+static void weights_of_the_present_way(void) {
+  for (int more = 0; more <= 1; more++) {
+    rig_t rig;
+    open_blocked(&rig);
+    get_stuck(&rig);
+    pg_parameters_t p = rig_parameters(&rig);
+    p.circulation_bias_y = more ? 2.1 : 1.9;
+    CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
+    for (int i = 0; i < 50; i++)
+      turn(&rig);
+    CHECK_NEAR(rig.cycle->tangent[1], more ? 1.0 : -1.0, 1e-12);
+    rig.controller->circulation.circulating = 0;
+    rig.controller->circulation.since = 0.0;
+    rig.controller->circulation.tangent[1] = -1.0;
+    p.circulation_bias_y = more ? 0.6 : 0.4;
+    CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
+    get_stuck(&rig);
+    CHECK_NEAR(rig.cycle->tangent[1], more ? 1.0 : -1.0, 1e-12);
+    rig_close(&rig);
+  }
+}
+
 /* Other obstacles and the bias say which way round. */
 static void which_way(void) {
   rig_t rig;
@@ -250,6 +349,11 @@ int main(void) {
   the_way_is_free();
   the_tangent_follows_the_surface();
   another_way_round();
+  times_of_whole_cycles();
+  the_time_limit();
+  failing_is_forgotten();
+  another_way_along_the_surface();
+  weights_of_the_present_way();
   which_way();
   faults_and_resets();
   return checks_failed > 0;

@@ -16,6 +16,7 @@ SLACK = "-DPG_RELAXATION_SLACK=1"
 DAMPER = "-DPLANAR_SCHEDULE_DAMPER=1"
 NO_ACTIVE_ROW = "-DPLANAR_ACTIVE_ROW=0"
 FEW_CHANGES = "-DPG_MAX_ITERATIONS=2"
+STRICT = "-DPG_TOLERANCE=1e-17"
 INJECTION = "-DPG_FAULT_INJECTION"
 SELF_COLLISION = ("self_collision",)
 SELF_MEASUREMENT = ("self_measurement",)
@@ -164,6 +165,16 @@ def test_random_cycles_with_additions(extreme: tuple[str, ...], kit: Kit) -> Non
     """Points come and go, and the task changes its direction, under sanitizers."""
     variant = Variant("daqp", SANITIZE, additions=WITHOUT_METHODS)
     run([str(kit.program(TESTS / "random_cycles.c", variant)), "20000", "5", *extreme], "a promise is broken")
+
+
+@pytest.mark.parametrize("mode", [(), (SLACK,)], ids=["staged", "slack"])
+def test_a_tolerance_near_rounding_is_kept(mode: tuple[str, ...], kit: Kit) -> None:
+    """Then many answers are not good enough, most are asked for again, and the best of them counts."""
+    program = kit.program(TESTS / "random_cycles.c", Variant("daqp", (STRICT, *mode)))
+    counted = run([str(program), "20000", "6"], "a promise is broken")
+    assert "STOPPED_SOLVER" in counted
+    (chances, refused) = re.findall(r"(\d+) second chances, (\d+) not certified", counted)[0]
+    assert int(chances) > 1000 and int(refused) > 100
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
