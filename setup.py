@@ -25,6 +25,7 @@ class BuildWithCompanions(build_py):
         for part in ("include", "src", "bench"):
             target = package / "_runtime" / part
             copytree(Path("runtime") / part, target, dirs_exist_ok=True, ignore=ignore_patterns(".*"))
+        copyfile("LICENSE", package / "_runtime" / "LICENSE")
         for source in sorted(path for ending in EXAMPLES for path in Path("examples").glob(f"*/*.{ending}")):
             target = package / "_examples" / source.relative_to("examples")
             target.parent.mkdir(parents=True, exist_ok=True)

@@ -144,7 +144,8 @@ def _rebuild(plan: _Plan) -> None:
             "module": module,
             "config_hash": config_hash(plan.config),
         }
-        tree.add_files(result, plan.robot, plan.generated, types, plan.solver, extra)
+        licence = sources.runtime_licence()
+        tree.add_files(result, plan.robot, plan.generated, types, licence, plan.solver, extra)
         stamp.remove_stamp(plan.directory)
         files = _move_into_place(result, plan.directory, last)
         code = stamp.digest_folder(plan.generated)

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 
 from proxgen.errors import BuildError, unknown_name
@@ -116,8 +117,17 @@ def _find_qpoases() -> Solver:
         include=main_header[0].parent,
         headers=headers,
         library=library[0],
-        licence=None,
+        licence=_licence_in_casadi(),
     )
+
+
+def _licence_in_casadi() -> Path | None:
+    """The licence of qpOASES, which its own package leaves out; that of CasADi has it for its copy."""
+    casadi = find_spec("casadi")
+    if casadi is None or casadi.origin is None:
+        return None
+    text = Path(casadi.origin).parent / "include" / "licenses" / "qpOASES" / "LICENSE.txt"
+    return text if text.is_file() else None
 
 
 _FINDERS: dict[str, Callable[[], Solver]] = {"qpoases": _find_qpoases, "daqp": _find_daqp}

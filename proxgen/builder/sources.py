@@ -25,6 +25,19 @@ def runtime_directory() -> Path:
     raise BuildError(f"proxgen's runtime sources are missing (looked in {places[0]} and {places[1]})")
 
 
+def runtime_licence() -> Path:
+    """The licence of the runtime, which who passes a library on has to pass on with it.
+
+    Raises:
+        BuildError: it is neither in the checkout nor in the installed package.
+    """
+    runtime = runtime_directory()
+    for place in (runtime.parent / "LICENSE", runtime / "LICENSE"):
+        if place.is_file():
+            return place
+    raise BuildError(f"proxgen's LICENSE is missing (looked in {runtime.parent} and {runtime})")
+
+
 def runtime_units(backend: str) -> tuple[Path, ...]:
     """The runtime's source files, with the one back end that is asked for."""
     sources = sorted((runtime_directory() / "src").glob("*.c*"))
@@ -44,7 +57,7 @@ def generator_files() -> tuple[Path, ...]:
     rooms = (
         path for room in _ROOMS for path in (_PACKAGE / room).rglob("*") if path.suffix in (".py", ".j2")
     )
-    return (_PACKAGE / "__init__.py", _PACKAGE / "program.py", *sorted(rooms))
+    return (*(_PACKAGE / name for name in ("__init__.py", "program.py", "templates.py")), *sorted(rooms))
 
 
 def digest_files(paths: Iterable[Path]) -> str:

@@ -37,7 +37,8 @@ def link(
     """Link everything: shared library, static library, Python extension.
 
     The static library is one object in which every name that is not public is local, so that those of two
-    robots, and their solvers, never meet.
+    robots, and their solvers, never meet. Beside it is the object that takes a controller's memory from the
+    heap: the linker leaves it out of a program that does not ask for it.
 
     Raises:
         BuildError: a tool fails.
@@ -60,7 +61,7 @@ def link(
     command = [*toolchain.linker, *shared, *names, *carried, "-lm", "-o", str(library / f"lib{robot}.so")]
     run(command, f"lib{robot}.so could not be linked")
     static = library / f"lib{robot}.a"
-    _archive(static, names, toolchain)
+    _archive(static, objects, toolchain)
     # From the static library, so that two back ends of one robot can be loaded into one process.
     extension = ["-shared", *toolchain.ldflags, "-Wl,--exclude-libs,ALL", "-Wl,-rpath,$ORIGIN/../lib"]
     target = str(python / f"{module}.so")
@@ -68,29 +69,40 @@ def link(
     run(command, "the Python extension could not be linked")
 
 
-def _archive(static: Path, objects: Sequence[str], toolchain: Toolchain) -> None:
-    """Merge objects into one with only public names, and put it into an archive."""
-    merged = static.with_suffix(".o")
+def _archive(static: Path, objects: Sequence[Path], toolchain: Toolchain) -> None:
+    """Merge objects into one with only public names, and put it into an archive, beside that of the heap."""
+    merged, heap = static.with_suffix(".o"), static.with_name("heap.o")
+    (of_heap,) = [path for path in objects if path.stem.split("-")[0] == "heap"]
+    shutil.copyfile(of_heap, heap)
+    others = [str(path) for path in objects if path != of_heap]
     groups = ["-Wl,--force-group-allocation"] if toolchain.cxx else []
     run(
-        [*toolchain.linker, "-r", "-nostdlib", *groups, *objects, "-o", str(merged)],
+        [*toolchain.linker, "-r", "-nostdlib", *groups, *others, "-o", str(merged)],
         "objects could not be merged",
     )
     run(["objcopy", "--localize-hidden", str(merged)], "hidden names could not be made local")
-    run(["ar", "rcsD", str(static), str(merged)], f"{static.name} could not be archived")
+    run(["ar", "rcsD", str(static), str(merged), str(heap)], f"{static.name} could not be archived")
     merged.unlink()
+    heap.unlink()
 
 
 def add_files(
-    tree: Path, robot: str, generated: Path, types: Path, solver: Solver, extra: dict[str, Any]
+    tree: Path,
+    robot: str,
+    generated: Path,
+    types: Path,
+    licence: Path,
+    solver: Solver,
+    extra: dict[str, Any],
 ) -> None:
-    """Add headers, package files, manifest, licence and description.
+    """Add headers, package files, manifest, licences and description.
 
     Args:
         tree: the folder, with its libraries.
         robot: name.
         generated: folder of the generated code.
         types: the runtime's `types.h`.
+        licence: the runtime's.
         solver: whose licence and library are named.
         extra: further entries of the description.
     """
@@ -101,6 +113,7 @@ def add_files(
         shutil.copyfile(generated / name, include / robot / name)
     shutil.copyfile(types, include / "proxgen" / types.name)
     shutil.copyfile(generated / "manifest.json", share / "manifest.json")
+    shutil.copyfile(licence, share / "LICENSE.proxgen")
     if solver.licence:
         shutil.copyfile(solver.licence, share / f"LICENSE.{solver.name}")
     _package_files(tree / "lib", robot, solver)

@@ -56,6 +56,7 @@ def test_a_build_leaves_an_installable_folder(planar2_daqp: BuildResult) -> None
         "proxgen.json",
         f"python/{module}.so",
         "share/proxgen_planar2/LICENSE.daqp",
+        "share/proxgen_planar2/LICENSE.proxgen",
         "share/proxgen_planar2/manifest.json",
     }
     assert (planar2_daqp.robot, planar2_daqp.backend) == ("planar2", "daqp")
@@ -64,6 +65,21 @@ def test_a_build_leaves_an_installable_folder(planar2_daqp: BuildResult) -> None
 
 def test_qpoases_is_carried_along(iiwa7_qpoases: BuildResult) -> None:
     assert list((iiwa7_qpoases.library_dir / "lib").glob("libqpOASES.so.*"))
+    licence = iiwa7_qpoases.library_dir / "share" / "proxgen_iiwa7" / "LICENSE.qpoases"
+    assert "GNU LESSER GENERAL PUBLIC LICENSE" in licence.read_text()
+
+
+def test_the_static_library_needs_the_heap_only_for_create(planar2_daqp: BuildResult, tmp_path: Path) -> None:
+    """What a linker takes out of it for `create_in`, and for `create`."""
+    library, needed = planar2_daqp.library_dir / "lib" / "libplanar2.a", {}
+    for name in ("create_in_checked", "create_checked"):
+        taken = tmp_path / f"{name}.o"
+        command = ["ld", "-r", "-u", f"planar2_{name}", str(library), "-o", str(taken)]
+        subprocess.run(command, check=True)
+        listing = subprocess.run(["nm", "-u", str(taken)], check=True, capture_output=True, text=True).stdout
+        needed[name] = set(listing.replace("U", " ").split())
+    assert needed["create_in_checked"] & {"malloc", "free"} == set()
+    assert needed["create_checked"] - needed["create_in_checked"] == {"malloc", "free"}
 
 
 def test_nothing_is_done_again_while_nothing_changes(built: BuildResult, planar2_config: Config) -> None:

@@ -23,6 +23,7 @@ def test_a_wheel_carries_runtime_templates_and_examples(tmp_path: Path) -> None:
         cwd=tmp_path,
     )
     installed = site / "proxgen"
+    assert (installed / "_runtime" / "LICENSE").read_text() == (ROOT / "LICENSE").read_text()
     for part in ("include", "src", "bench"):
         expected = {path.name for path in (ROOT / "runtime" / part).rglob("*") if path.is_file()}
         assert {p.name for p in (installed / "_runtime" / part).rglob("*") if p.is_file()} == expected
