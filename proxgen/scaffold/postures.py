@@ -104,14 +104,19 @@ def neighbours(start: Posture) -> list[Posture]:
 
 
 def usual_postures(start: Posture) -> list[Posture]:
-    """The start, the zero posture, and some in the middle of the joints' ranges; those are not folded.
+    """The start, the zero posture, and some that are not folded: in the middle of the joints' ranges, or near it.
 
-    A link that lies in another one has no place for a cuff there, whatever the place.
+    A link that lies in another one has no place for a cuff there, whatever the place. An arm that is in its
+    torso wherever its joints are in the middle of their ranges is seen around the start.
     """
     model, rng = start.model, np.random.default_rng(3)
     folding = Folding.of(model)
     lower, upper = sampling_ranges(model)
-    middle, quarter = 0.5 * (lower + upper), 0.25 * (upper - lower)
-    sampled = [Posture(model, middle + rng.uniform(-quarter, quarter)) for _ in range(5 * _USUAL_POSTURES)]
-    free = [posture for posture in sampled if folding.clearance(posture) > 0.0]
-    return [start, Posture(model, np.clip(0.0, lower, upper)), *(free or sampled)[:_USUAL_POSTURES]]
+    quarter = 0.25 * (upper - lower)
+    found = [start, Posture(model, np.clip(0.0, lower, upper))]
+    for middle in (0.5 * (lower + upper), start.q):
+        for _ in range(5 * _USUAL_POSTURES):
+            posture = Posture(model, np.clip(middle + rng.uniform(-quarter, quarter), lower, upper))
+            if len(found) < 2 + _USUAL_POSTURES and folding.clearance(posture) > 0.0:
+                found.append(posture)
+    return found

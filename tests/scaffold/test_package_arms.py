@@ -43,6 +43,7 @@ def test_compiled_and_reference_agree(made: tuple[PackageArm, Path], tmp_path: P
     """In the closed loop of the scene that `init` wrote, and at random states among crowds of obstacles."""
     path = made[1]
     config = load(path)
+    assert config.skin.cuffs
     model = build_model(config)
     compiled = proxgen.build(config, tmp_path / "build")
     scene = path.with_name(f"{path.stem}_scene.yaml")
