@@ -39,7 +39,8 @@ def build(
 
     Args:
         config: of the robot.
-        directory: where to; `build/<robot>` in the current folder if None.
+        directory: where to; if None, `build/<robot>` in the current folder, or `build/<robot>.<file>` if that
+            holds the controller of another file with the same `robot.name`.
         backend: `qpoases` or `daqp`; that of the configuration if None.
 
     Returns:

@@ -63,6 +63,28 @@ class _Plan:
         return str(self.generated.relative_to(self.directory) if inside else self.generated)
 
 
+def default_directory(config: Config) -> Path:
+    """`build/<robot>` in the current folder, relative to it."""
+    return Path("build") / config.robot.name
+
+
+def other_owner(config: Config) -> Path | None:
+    """The other YAML file of the same `robot.name` whose controller the default folder holds, if one does.
+
+    A file that is not there any more, as it was renamed, owns nothing.
+    """
+    last = stamp.read_stamp(default_directory(config))
+    if last is None or not last.source or Path(last.source) == config.source.resolve():
+        return None
+    return Path(last.source) if Path(last.source).is_file() else None
+
+
+def _own_directory(config: Config) -> Path:
+    """The default folder, or one beside it with the file's name if that is another file's."""
+    folder = default_directory(config)
+    return folder if other_owner(config) is None else folder.with_name(f"{folder.name}.{config.source.stem}")
+
+
 def build(
     config: Config,
     directory: str | Path | None = None,
@@ -73,7 +95,8 @@ def build(
 
     Args:
         config: of the robot.
-        directory: where to; `build/<robot>` in the current folder if None.
+        directory: where to; if None, `build/<robot>` in the current folder, or `build/<robot>.<file>` if that
+            holds the controller of another file with the same `robot.name`.
         backend: `qpoases` or `daqp`; that of the configuration if None.
         generated: folder of the generated code; `generated` within `directory` if None.
 
@@ -99,7 +122,7 @@ def _plan(
     config: Config, directory: str | Path | None, backend: str | None, generated: str | Path | None
 ) -> _Plan:
     """Find everything that a build needs, and its fingerprint."""
-    folder = Path(directory or Path("build") / config.robot.name).absolute()
+    folder = Path(directory or _own_directory(config)).absolute()
     solver = find_solver(backend or config.solver.backend)
     toolchain = find_toolchain(cxx=solver.cxx)
     versions = [metadata.version(name) for name in ("casadi", "pin")]
@@ -149,7 +172,8 @@ def _rebuild(plan: _Plan) -> None:
         stamp.remove_stamp(plan.directory)
         files = _move_into_place(result, plan.directory, last)
         code = stamp.digest_folder(plan.generated)
-        made = Stamp(plan.key, plan.generation, plan.generated_name, code, files)
+        source = str(plan.config.source.resolve())
+        made = Stamp(plan.key, plan.generation, plan.generated_name, code, files, source)
         stamp.write_stamp(plan.directory, made, work)
 
 

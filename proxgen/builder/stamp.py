@@ -24,6 +24,7 @@ class Stamp:
         generated: folder of the generated code, absolute or within the build folder.
         generated_digest: of its files, so that a change by hand is seen.
         files: size of every file of the build, by path within the folder.
+        source: the YAML file, absolute.
     """
 
     key: str
@@ -31,6 +32,7 @@ class Stamp:
     generated: str
     generated_digest: str
     files: dict[str, int]
+    source: str = ""
 
     def holds(self, directory: Path) -> bool:
         """Whether the files of the build are all there still, and the generated code is as it was."""

@@ -8,7 +8,7 @@ from typing import Any
 
 from proxgen.cli.arguments import add_config, new_file, new_folder, one_of
 from proxgen.cli.output import columns, shown_path
-from proxgen.errors import ProxgenWarning
+from proxgen.errors import ConfigError, Problem, ProxgenWarning
 
 BACKENDS = ("qpoases", "daqp")
 
@@ -134,10 +134,16 @@ def carry_out_generate(arguments: argparse.Namespace) -> int:
 
 def carry_out_build(arguments: argparse.Namespace) -> int:
     """Compile what is not up to date and say where it is."""
-    from proxgen.builder import build
+    from proxgen.builder import build, default_directory, other_owner
     from proxgen.config import load
 
     config = load(arguments.config)
+    if arguments.output is None and (other := other_owner(config)) is not None:
+        message = (
+            f"{default_directory(config)} holds the controller of {shown_path(other)}, which has the same "
+            f"name '{config.robot.name}'; give this file another one, or say with -o where to build"
+        )
+        raise ConfigError([Problem(arguments.config, 0, "robot.name", message)])
     result = build(config, arguments.output, backend=arguments.backend)
     print(f"{'built' if result.rebuilt else 'up to date:'} {shown_path(result.library_dir)}")
     return 0

@@ -104,7 +104,7 @@ def neighbours(start: Posture) -> list[Posture]:
 
 
 def usual_postures(start: Posture) -> list[Posture]:
-    """The start, the zero posture, and some that are not folded: in the middle of the joints' ranges, or near it.
+    """The start, the zero posture, and some that are not folded: in the middle of the ranges, or near it.
 
     A link that lies in another one has no place for a cuff there, whatever the place. An arm that is in its
     torso wherever its joints are in the middle of their ranges is seen around the start.

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from proxgen.builder import BuildResult, build, pipeline
+from proxgen.builder import BuildResult, build, other_owner, pipeline
 from proxgen.builder.stamp import PRIVATE
+from proxgen.cli import main
 from proxgen.config import load
 from proxgen.config.schema import Config
 from proxgen.controllers.compiled import CompiledController
@@ -160,6 +161,45 @@ def test_the_default_folder_is_named_after_the_robot(
     built: BuildResult, planar2_config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    assert build(planar2_config, backend="daqp") == built
+
+
+def test_files_with_the_same_name_do_not_take_each_others_folder(
+    built: BuildResult,
+    planar2_config: Config,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Each rebuilt over the other, and whoever linked with the folder got the last one."""
+    monkeypatch.chdir(tmp_path)
+    variant = tmp_path / "planar2_far.yaml"
+    variant.write_text(f"extends: {planar2_config.source}\navoidance: {{d_a: 0.5}}\n")
+    before = installed_files(built.library_dir)
+    assert other_owner(planar2_config) is None
+    assert other_owner(load(variant)) == planar2_config.source
+    other = build(load(variant), backend="daqp")
+    assert other.rebuilt and other.library_dir == tmp_path / "build" / "planar2.planar2_far"
+    assert installed_files(built.library_dir) == before
+    assert not build(planar2_config, backend="daqp").rebuilt
+    assert not build(load(variant), backend="daqp").rebuilt
+
+    assert main(["build", str(variant)]) == 2
+    told = capsys.readouterr().err
+    assert told == (
+        f"{variant}: robot.name: build/planar2 holds the controller of {planar2_config.source}, which has "
+        "the same name 'planar2'; give this file another one, or say with -o where to build\n1 problem\n"
+    )
+    assert main(["build", str(variant), "--backend", "daqp", "-o", str(other.library_dir)]) == 0
+
+
+def test_a_file_that_was_renamed_keeps_its_folder(
+    built: BuildResult, planar2_config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    memory = built.library_dir / PRIVATE / "stamp.json"
+    memory.write_text(memory.read_text().replace("planar2.yaml", "planar2_before.yaml"))
+    assert other_owner(planar2_config) is None
     assert build(planar2_config, backend="daqp") == built
 
 
