@@ -198,6 +198,21 @@ static void stages(void) {
   rig_close(&rig);
 }
 
+/* A retreat that is slower than PG_WIDTH is given up as well: the arm, which cannot but approach at 7e-6 m/s,
+ * is within PG_WIDTH of standing still. */
+static void a_slow_retreat_is_raised_too(void) {
+  rig_t rig;
+  open_beside_forearm(&rig, 0.15);
+  pg_parameters_t p = rig_parameters(&rig);
+  p.repulse_speed = p.damper_repulse_speed = -5e-6;
+  p.qddot_limit[0] = p.qddot_limit[1] = 1e-6;
+  CHECK(pg_set_parameters(rig.controller, &p) == PG_SOLVED);
+  rig.qdot[1] = rig.controller->qdot_previous[1] = -4.0 * 7e-6;
+  CHECK_EQUAL(rig_step(&rig), PG_REDUCED_REPULSION);
+  CHECK_NEAR(rig.cycle->ubA[0], PG_WIDTH - 5e-6, 1e-15);
+  rig_close(&rig);
+}
+
 int main(void) {
   nothing_near();
   rows_that_add_nothing();
@@ -211,5 +226,6 @@ int main(void) {
   a_fault_in_between();
 #endif
   stages();
+  a_slow_retreat_is_raised_too();
   return checks_failed > 0;
 }
