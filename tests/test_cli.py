@@ -221,6 +221,20 @@ def test_a_comparison_that_fails_has_status_1(
     assert json.loads(Path("compare.json").read_text())["verdict"] == "fail"
 
 
+def test_an_interruption_while_modules_are_loaded_is_no_traceback(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class CtrlC:
+        def find_spec(self, name: str, *rest: object) -> None:
+            if name == "proxgen.cli.parser":
+                raise KeyboardInterrupt
+
+    monkeypatch.delitem(sys.modules, "proxgen.cli.parser", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [CtrlC(), *sys.meta_path])
+    assert main(["--version"]) == 130
+    assert capsys.readouterr().err == "proxgen: interrupted\n"
+
+
 @pytest.mark.filterwarnings("default::proxgen.errors.ProxgenWarning")
 def test_an_arm_without_sensors_is_told_that_it_sees_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     text = Path(PLANAR2).read_text().replace("urdf: ", f"urdf: {Path(PLANAR2).parent}/")

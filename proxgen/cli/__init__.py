@@ -6,7 +6,6 @@ import warnings
 from collections.abc import Sequence
 from typing import TextIO
 
-from proxgen.cli.parser import parse
 from proxgen.errors import ConfigError, ProxgenError
 
 MOST_PROBLEMS = 100
@@ -30,6 +29,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _main(argv: Sequence[str]) -> int:
     """Carry out one command, and turn every expected failure into a message and a status."""
     try:
+        from proxgen.cli.parser import parse  # takes a moment, in which Ctrl-C is to be answered, too
+
         arguments = parse(argv)
         status: int = arguments.carry_out(arguments)
         sys.stdout.flush()
