@@ -10,13 +10,15 @@ from typing import Any
 
 import proxgen
 from proxgen.config import load
+from proxgen.files import write_whole
 from proxgen.model import build_model
+from proxgen.report import film as films
 from proxgen.report.page import Gallery, Page, Picture, Section
 from proxgen.report.page import write_page as write_html
 from proxgen.report.tables import Card
 from proxgen.reproduce.claims import BEYOND, PAPER, Verdict, judge
 from proxgen.reproduce.figures import FIGURES
-from proxgen.reproduce.plan import METHODS, SCENES
+from proxgen.reproduce.plan import FILMED, METHODS, SCENES
 from proxgen.reproduce.results import Results
 from proxgen.reproduce.store import write_json
 from proxgen.reproduce.tables import (
@@ -115,7 +117,8 @@ def _claims(anchor: str, title: str, verdicts: Sequence[Verdict]) -> Section:
 def _paper_sections(results: Results, gallery: Gallery) -> list[Section]:
     """The paper's experiments with its figures."""
     verification, comparison, dynamic = (
-        _figures(results, gallery, numbers) for numbers in ((6, 7, 9, 10), (11, 12, 13), (8, 14, 15))
+        [*_film(results, gallery, filmed), *_figures(results, gallery, numbers)]
+        for filmed, numbers in zip(FILMED, ((6, 7, 9, 10), (11, 12, 13), (8, 14, 15)), strict=True)
     )
     return [
         _experiments(
@@ -209,6 +212,15 @@ def _figures(results: Results, gallery: Gallery, numbers: Sequence[int]) -> list
         draw = partial(figure.draw, **runs, **(arm if number in WITH_ARM else {}))
         pictures.append(gallery.add(f"figure_{number:02d}", title, figure.caption, draw))
     return pictures
+
+
+def _film(results: Results, gallery: Gallery, experiment: str) -> list[Picture]:
+    """The film of an experiment, if there is one."""
+    if experiment not in results.films:
+        return []
+    path = write_whole(gallery.directory / f"figures/film_{experiment}.webp", results.films[experiment])
+    title = f"Film: {results.plan.experiment(experiment).scene}"
+    return [gallery.show(path, title, f"The proposed method, one run. {films.CAPTION}")]
 
 
 def _cards(results: Results, paper: Sequence[Verdict], beyond: Sequence[Verdict]) -> list[Card]:

@@ -19,6 +19,9 @@ SCENES = ("pillar", "gap", "facing", "moving")
 NOISE, DROPOUT = 0.005, 0.05
 """Of every sensor in the experiments with noise: standard deviation [m], probability of a lost sample."""
 
+FILMED = ("pillar_proposed", "gap_proposed", "moving_dynamic")
+"""One for each part of the paper's section V."""
+
 
 @dataclass(frozen=True)
 class Setup:
@@ -91,6 +94,7 @@ class Plan:
         agreement_duration: of each of them [s].
         timed_passes: how often the recorded cycles are replayed to time a controller.
         limit_minutes: what the whole is to take at most on two cores.
+        films: experiments of which the page has a film, each of the first start.
     """
 
     name: str
@@ -102,6 +106,7 @@ class Plan:
     agreement_duration: float
     timed_passes: int
     limit_minutes: float
+    films: tuple[str, ...] = FILMED
 
     @property
     def setups(self) -> tuple[Setup, ...]:

@@ -22,6 +22,7 @@ class Results:
             `proxgen compare --json`.
         cycle_times: of the timing (`timing.py`).
         minutes: how long it took; None if results of an earlier call were used.
+        films: some experiments' first runs (WebP).
     """
 
     plan: Plan
@@ -30,6 +31,7 @@ class Results:
     agreements: Sequence[Numbers]
     cycle_times: Numbers
     minutes: float | None = None
+    films: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     _logs: dict[str, list[RolloutLog]] = field(default_factory=dict, repr=False)
 
     def logs(self, experiment: str) -> list[RolloutLog]:

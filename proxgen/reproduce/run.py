@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from proxgen.errors import ReproduceError
+from proxgen.reproduce.films import film_in, films_of
 from proxgen.reproduce.plan import Experiment, Plan, Setup
 from proxgen.reproduce.pool import carry_out_all, cores
 from proxgen.reproduce.results import Results
@@ -78,8 +79,9 @@ def reproduce(
     tell, workers, store = say or (lambda line: None), workers or cores(), Store(directory / "runs")
     _make_folder(store.directory)
     libraries = dict.fromkeys(plan.setups, builds)  # what follows only asks these tasks what they cost
-    total = len(plan.setups) * _BUILD + sum(task.cost for task in tasks_of(plan, libraries)) + _REPORT
-    meter = Meter(total, progress)
+    planned = tasks_of(plan, libraries)
+    total = sum(task.cost for task in [*planned, *films_of(plan, planned)])
+    meter = Meter(len(plan.setups) * _BUILD + total + _REPORT, progress)
     libraries = build_libraries(plan, builds, lambda done, all_of_them: meter.advance(_BUILD))
     tasks = tasks_of(plan, libraries)
     timing = Timing(
@@ -88,7 +90,8 @@ def reproduce(
         min(plan.duration, 60.0),
         plan.timed_passes,
     )
-    everything: list[Task] = [*tasks, timing]
+    films = films_of(plan, tasks)
+    everything: list[Task] = [*tasks, *films, timing]
     fingerprints = {task.name: task.fingerprint() for task in everything}
     missing = [task for task in everything if store.find(task.name, fingerprints[task.name]) is None]
     meter.total = len(plan.setups) * _BUILD + sum(task.cost for task in everything) + _REPORT
@@ -99,8 +102,8 @@ def reproduce(
         meter.advance(task.cost)
         herald.note(task)
 
-    carry_out_all([task for task in missing if task is not timing], store, workers, done)
-    carry_out_all([task for task in missing if task is timing], store, 1, done)
+    for phase, processes in ((tasks, workers), (films, workers), ([timing], 1)):
+        carry_out_all([task for task in phase if task in missing], store, processes, done)
     results = collect(plan, store, fingerprints)
     outcome = write_page(results, directory, begin if len(missing) == len(everything) else None)
     meter.advance(_REPORT)
@@ -125,6 +128,7 @@ def collect(plan: Plan, store: Store, fingerprints: dict[str, str]) -> Results:
         {what.name: [found[f"{what.name}-{start}"] for start in plan.starts] for what in plan.experiments},
         [found[what.name] for what in plan.agreements],
         found["cycle_times"],
+        films={name: film_in(found[f"film-{name}"]) for name in plan.films},
     )
 
 

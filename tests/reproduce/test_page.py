@@ -2,6 +2,7 @@
 
 import json
 import re
+from base64 import b64decode
 from dataclasses import replace
 from html import unescape
 
@@ -16,6 +17,7 @@ from proxgen.reproduce.figures import FIGURES
 from proxgen.reproduce.page import FIGURE_RUNS, Outcome, write_page
 from proxgen.reproduce.results import Results
 
+FILM = b"RIFF of a WebP"
 ABOVE = BOX | {"name": "above", "position": [0.5, 0.0, 0.8]}
 
 
@@ -34,7 +36,7 @@ def outcome(tmp_path_factory: pytest.TempPathFactory) -> Outcome:
             results.store.save(f"{name}-{start}", "now", {}, log)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(style, "DPI", 40)  # small pictures are as complete as large ones, and sooner there
-        return write_page(replace(results, minutes=None), directory, None)
+        return write_page(replace(results, minutes=None, films={"gap_proposed": FILM}), directory, None)
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +63,14 @@ def test_every_figure_of_the_paper_is_there_in_its_order(outcome: Outcome, text:
     assert order == [6, 7, 9, 10, 11, 12, 13, 8, 14, 15]
     for number in order:
         assert (outcome.page.parent / "figures" / f"figure_{number:02d}.png").stat().st_size > 0
+
+
+def test_a_film_stands_before_the_figures_of_its_section(outcome: Outcome, text: str) -> None:
+    assert (outcome.page.parent / "figures" / "film_gap_proposed.webp").read_bytes() == FILM
+    (shown,) = re.findall(r'src="data:image/webp;base64,([^"]*)"[^>]* class="film"', outcome.page.read_text())
+    assert b64decode(shown) == FILM
+    assert text.index("Figure 10:") < text.index("Film: gap.") < text.index("Figure 11:")
+    assert text.count("Film:") == 1  # there were no others
 
 
 def test_the_page_needs_nothing_else(outcome: Outcome) -> None:

@@ -59,7 +59,7 @@ def test_the_command_of_the_readme(capsys: pytest.CaptureFixture[str]) -> None:
 def _check_continuation(runs: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A second call does only what is not there."""
     before = {path.name: path.stat().st_mtime_ns for path in runs.iterdir()}
-    assert len(before) == 2 * len(tiny_plan().experiments) + 2 + 1
+    assert len(before) == 2 * len(tiny_plan().experiments) + 2 + 3 + 1  # runs, comparisons, films, times
     (runs / "gap_tangential-1.json").unlink()
     assert main(COMMANDS[0]) == 0
     after = {path.name: path.stat().st_mtime_ns for path in runs.iterdir()}
