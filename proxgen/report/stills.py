@@ -33,7 +33,7 @@ def stills_figure(log: RolloutLog, model: RobotModel) -> Figure:
     """
     leg = typical_leg(log)
     moments = spread(leg, log, _MOMENTS)
-    camera = fitting_camera(log, model, *_SIZE)
+    camera = fitting_camera(log, model, *_SIZE, cycles=(leg.first, leg.last))
     figure = style.new_figure(0.35 + style.WIDTH / len(moments) * camera.height / camera.width)
     panels = figure.subplots(1, len(moments), squeeze=False)[0]
     with Stage(log, model, camera) as stage:
