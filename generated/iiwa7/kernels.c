@@ -52,14 +52,6 @@ extern "C" {
 #define casadi_f9 CASADI_PREFIX(f9)
 #define casadi_fmax CASADI_PREFIX(fmax)
 #define casadi_fmin CASADI_PREFIX(fmin)
-#define casadi_s0 CASADI_PREFIX(s0)
-#define casadi_s1 CASADI_PREFIX(s1)
-#define casadi_s2 CASADI_PREFIX(s2)
-#define casadi_s3 CASADI_PREFIX(s3)
-#define casadi_s4 CASADI_PREFIX(s4)
-#define casadi_s5 CASADI_PREFIX(s5)
-#define casadi_s6 CASADI_PREFIX(s6)
-#define casadi_s7 CASADI_PREFIX(s7)
 #define casadi_sq CASADI_PREFIX(sq)
 
 static casadi_real casadi_sq(casadi_real x) { return x*x;}
@@ -82,25 +74,17 @@ static casadi_real casadi_fmin(casadi_real x, casadi_real y) {
 #endif
 }
 
-/* Configuration this file was compiled with */
-void iiwa7_kernels_casadi_version(int* major, int* minor, int* patch) {
-  *major = 3;
-  *minor = 8;
-  *patch = 2;
-}
-int iiwa7_kernels_casadi_int_size(void) { return (int) sizeof(casadi_int); }
-int iiwa7_kernels_casadi_real_size(void) { return (int) sizeof(casadi_real); }
-
-static const casadi_int casadi_s0[3] = {1, 7, 1};
-static const casadi_int casadi_s1[3] = {4, 3, 1};
-static const casadi_int casadi_s2[3] = {12, 3, 1};
-static const casadi_int casadi_s3[3] = {3, 7, 1};
-static const casadi_int casadi_s4[3] = {7, 3, 1};
-static const casadi_int casadi_s5[3] = {1, 3, 1};
-static const casadi_int casadi_s6[3] = {1, 1, 1};
-static const casadi_int casadi_s7[3] = {7, 7, 1};
-
-/* iiwa7_kernel_kinematics:(q[1x7])->(out_tool_to_world[4x3],out_body_to_world[12x3],out_joint_axis[3x7],out_joint_origin[3x7],out_J[7x3]) */
+/* iiwa7_kernel_kinematics: Computes all poses, joint axes and the task Jacobian at q.
+ *
+ *   xdot = J qdot (1)
+ *
+ *   arg[0] q: 7 [rad]
+ *   res[0] tool_to_world: 3x4 row-major [1, m]
+ *   res[1] body_to_world: 3x12 row-major [1, m]
+ *   res[2] joint_axis: 7x3 row-major
+ *   res[3] joint_origin: 7x3 row-major [m]
+ *   res[4] J: 3x7 row-major [m/rad, 1]
+ */
 static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
@@ -421,82 +405,16 @@ int iiwa7_kernel_kinematics(const casadi_real** arg, casadi_real** res, casadi_i
   return casadi_f0(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_kinematics_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_kinematics_release(int mem) {
-}
-
-void iiwa7_kernel_kinematics_incref(void) {
-}
-
-void iiwa7_kernel_kinematics_decref(void) {
-}
-
-casadi_int iiwa7_kernel_kinematics_n_in(void) { return 1;}
-
-casadi_int iiwa7_kernel_kinematics_n_out(void) { return 5;}
-
-casadi_real iiwa7_kernel_kinematics_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_kinematics_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "q";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_kinematics_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_tool_to_world";
-    case 1: return "out_body_to_world";
-    case 2: return "out_joint_axis";
-    case 3: return "out_joint_origin";
-    case 4: return "out_J";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_kinematics_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s0;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_kinematics_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s1;
-    case 1: return casadi_s2;
-    case 2: return casadi_s3;
-    case 3: return casadi_s3;
-    case 4: return casadi_s4;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_kinematics_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 1;
-  if (sz_res) *sz_res = 5;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_kinematics_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 1*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 5*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_sensor_point:(body_to_world[4x3],position[1x3],normal[1x3],range)->(out_point[1x3]) */
+/* iiwa7_kernel_sensor_point: Computes the obstacle point that a reading stands for.
+ *
+ *   h = o + r n
+ *
+ *   arg[0] body_to_world: 3x4 row-major [1, m]
+ *   arg[1] position: 3 [m]
+ *   arg[2] normal: 3
+ *   arg[3] range: scalar [m]
+ *   res[0] point: 3 [m]
+ */
 static int casadi_f1(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a0, a1, a2, a3, a4, a5, a6;
   a0=arg[0]? arg[0][0] : 0;
@@ -552,80 +470,15 @@ int iiwa7_kernel_sensor_point(const casadi_real** arg, casadi_real** res, casadi
   return casadi_f1(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_sensor_point_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_sensor_point_release(int mem) {
-}
-
-void iiwa7_kernel_sensor_point_incref(void) {
-}
-
-void iiwa7_kernel_sensor_point_decref(void) {
-}
-
-casadi_int iiwa7_kernel_sensor_point_n_in(void) { return 4;}
-
-casadi_int iiwa7_kernel_sensor_point_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_sensor_point_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_sensor_point_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "body_to_world";
-    case 1: return "position";
-    case 2: return "normal";
-    case 3: return "range";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_sensor_point_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_point";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_sensor_point_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s1;
-    case 1: return casadi_s5;
-    case 2: return casadi_s5;
-    case 3: return casadi_s6;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_sensor_point_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s5;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_sensor_point_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_sensor_point_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_closest_point:(point[1x3],start[1x3],end[1x3])->(out_closest[1x3]) */
+/* iiwa7_kernel_closest_point: Computes the point of a capsule's axis that is nearest to a point.
+ *
+ *   p = a + t (b - a), t = clamp((h - a).(b - a)/|b - a|^2, 0, 1)
+ *
+ *   arg[0] point: 3 [m]
+ *   arg[1] start: 3 [m]
+ *   arg[2] end: 3 [m]
+ *   res[0] closest: 3 [m]
+ */
 static int casadi_f2(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a0, a1, a2, a3, a4, a5, a6, a7, a8;
   a0=arg[1]? arg[1][0] : 0;
@@ -676,78 +529,16 @@ int iiwa7_kernel_closest_point(const casadi_real** arg, casadi_real** res, casad
   return casadi_f2(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_closest_point_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_closest_point_release(int mem) {
-}
-
-void iiwa7_kernel_closest_point_incref(void) {
-}
-
-void iiwa7_kernel_closest_point_decref(void) {
-}
-
-casadi_int iiwa7_kernel_closest_point_n_in(void) { return 3;}
-
-casadi_int iiwa7_kernel_closest_point_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_closest_point_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_closest_point_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "point";
-    case 1: return "start";
-    case 2: return "end";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_closest_point_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_closest";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_closest_point_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s5;
-    case 1: return casadi_s5;
-    case 2: return casadi_s5;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_closest_point_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s5;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_closest_point_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 3;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_closest_point_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 3*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_row_0:(joint_axis[3x7],joint_origin[3x7],point[1x3],direction[1x3])->(out_row[1x7]) */
+/* iiwa7_kernel_row_0: Computes the row of a point on a body: its speed towards the obstacle is row . qdot.
+ *
+ *   A_i = d_hat' J_p (4)(5)
+ *
+ *   arg[0] joint_axis: 7x3 row-major
+ *   arg[1] joint_origin: 7x3 row-major [m]
+ *   arg[2] point: 3 [m]
+ *   arg[3] direction: 3
+ *   res[0] row: 7 [m/rad]
+ */
 static int casadi_f3(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12;
@@ -841,80 +632,16 @@ int iiwa7_kernel_row_0(const casadi_real** arg, casadi_real** res, casadi_int* i
   return casadi_f3(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_row_0_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_row_0_release(int mem) {
-}
-
-void iiwa7_kernel_row_0_incref(void) {
-}
-
-void iiwa7_kernel_row_0_decref(void) {
-}
-
-casadi_int iiwa7_kernel_row_0_n_in(void) { return 4;}
-
-casadi_int iiwa7_kernel_row_0_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_row_0_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_row_0_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "joint_axis";
-    case 1: return "joint_origin";
-    case 2: return "point";
-    case 3: return "direction";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_row_0_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_row";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_row_0_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s3;
-    case 1: return casadi_s3;
-    case 2: return casadi_s5;
-    case 3: return casadi_s5;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_row_0_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s0;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_row_0_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_row_0_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_row_1:(joint_axis[3x7],joint_origin[3x7],point[1x3],direction[1x3])->(out_row[1x7]) */
+/* iiwa7_kernel_row_1: Computes the row of a point on a body: its speed towards the obstacle is row . qdot.
+ *
+ *   A_i = d_hat' J_p (4)(5)
+ *
+ *   arg[0] joint_axis: 7x3 row-major
+ *   arg[1] joint_origin: 7x3 row-major [m]
+ *   arg[2] point: 3 [m]
+ *   arg[3] direction: 3
+ *   res[0] row: 7 [m/rad]
+ */
 static int casadi_f4(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12;
@@ -1054,80 +781,16 @@ int iiwa7_kernel_row_1(const casadi_real** arg, casadi_real** res, casadi_int* i
   return casadi_f4(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_row_1_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_row_1_release(int mem) {
-}
-
-void iiwa7_kernel_row_1_incref(void) {
-}
-
-void iiwa7_kernel_row_1_decref(void) {
-}
-
-casadi_int iiwa7_kernel_row_1_n_in(void) { return 4;}
-
-casadi_int iiwa7_kernel_row_1_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_row_1_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_row_1_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "joint_axis";
-    case 1: return "joint_origin";
-    case 2: return "point";
-    case 3: return "direction";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_row_1_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_row";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_row_1_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s3;
-    case 1: return casadi_s3;
-    case 2: return casadi_s5;
-    case 3: return casadi_s5;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_row_1_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s0;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_row_1_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_row_1_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_row_2:(joint_axis[3x7],joint_origin[3x7],point[1x3],direction[1x3])->(out_row[1x7]) */
+/* iiwa7_kernel_row_2: Computes the row of a point on a body: its speed towards the obstacle is row . qdot.
+ *
+ *   A_i = d_hat' J_p (4)(5)
+ *
+ *   arg[0] joint_axis: 7x3 row-major
+ *   arg[1] joint_origin: 7x3 row-major [m]
+ *   arg[2] point: 3 [m]
+ *   arg[3] direction: 3
+ *   res[0] row: 7 [m/rad]
+ */
 static int casadi_f5(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12;
@@ -1312,80 +975,19 @@ int iiwa7_kernel_row_2(const casadi_real** arg, casadi_real** res, casadi_int* i
   return casadi_f5(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_row_2_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_row_2_release(int mem) {
-}
-
-void iiwa7_kernel_row_2_incref(void) {
-}
-
-void iiwa7_kernel_row_2_decref(void) {
-}
-
-casadi_int iiwa7_kernel_row_2_n_in(void) { return 4;}
-
-casadi_int iiwa7_kernel_row_2_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_row_2_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_row_2_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "joint_axis";
-    case 1: return "joint_origin";
-    case 2: return "point";
-    case 3: return "direction";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_row_2_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_row";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_row_2_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s3;
-    case 1: return casadi_s3;
-    case 2: return casadi_s5;
-    case 3: return casadi_s5;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_row_2_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s0;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_row_2_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_row_2_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 4*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_approach_speed:(distance,d_a,d_0u,d_0l,d_r,approach_speed,repulse_speed)->(out_speed) */
+/* iiwa7_kernel_approach_speed: Computes the greatest speed at which a link may approach an obstacle.
+ *
+ *   approach_speed at d_a, linear to 0 at d_0u, 0 to d_0l, linear to repulse_speed at d_r (13)
+ *
+ *   arg[0] distance: scalar [m]
+ *   arg[1] d_a: scalar [m]
+ *   arg[2] d_0u: scalar [m]
+ *   arg[3] d_0l: scalar [m]
+ *   arg[4] d_r: scalar [m]
+ *   arg[5] approach_speed: scalar [m/s]
+ *   arg[6] repulse_speed: scalar [m/s]
+ *   res[0] speed: scalar [m/s]
+ */
 static int casadi_f6(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a0, a1, a2, a3, a4;
   a0=arg[5]? arg[5][0] : 0;
@@ -1417,86 +1019,18 @@ int iiwa7_kernel_approach_speed(const casadi_real** arg, casadi_real** res, casa
   return casadi_f6(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_approach_speed_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_approach_speed_release(int mem) {
-}
-
-void iiwa7_kernel_approach_speed_incref(void) {
-}
-
-void iiwa7_kernel_approach_speed_decref(void) {
-}
-
-casadi_int iiwa7_kernel_approach_speed_n_in(void) { return 7;}
-
-casadi_int iiwa7_kernel_approach_speed_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_approach_speed_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_approach_speed_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "distance";
-    case 1: return "d_a";
-    case 2: return "d_0u";
-    case 3: return "d_0l";
-    case 4: return "d_r";
-    case 5: return "approach_speed";
-    case 6: return "repulse_speed";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_approach_speed_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_speed";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_approach_speed_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s6;
-    case 1: return casadi_s6;
-    case 2: return casadi_s6;
-    case 3: return casadi_s6;
-    case 4: return casadi_s6;
-    case 5: return casadi_s6;
-    case 6: return casadi_s6;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_approach_speed_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s6;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_approach_speed_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 7;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_approach_speed_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 7*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_slack_weight:(distance,d_a,d_r,slack_weight,slack_minimum,slack_maximum)->(out_weight) */
+/* iiwa7_kernel_slack_weight: Computes the weight of a capsule's slack: the nearer, the harder.
+ *
+ *   rho = slack_weight clip((d_a - d)/(d_a - d_r), slack_minimum, slack_maximum)^2
+ *
+ *   arg[0] distance: scalar [m]
+ *   arg[1] d_a: scalar [m]
+ *   arg[2] d_r: scalar [m]
+ *   arg[3] slack_weight: scalar
+ *   arg[4] slack_minimum: scalar
+ *   arg[5] slack_maximum: scalar
+ *   res[0] weight: scalar
+ */
 static int casadi_f7(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a0, a1, a2, a3;
   a0=arg[3]? arg[3][0] : 0;
@@ -1520,84 +1054,25 @@ int iiwa7_kernel_slack_weight(const casadi_real** arg, casadi_real** res, casadi
   return casadi_f7(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_slack_weight_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_slack_weight_release(int mem) {
-}
-
-void iiwa7_kernel_slack_weight_incref(void) {
-}
-
-void iiwa7_kernel_slack_weight_decref(void) {
-}
-
-casadi_int iiwa7_kernel_slack_weight_n_in(void) { return 6;}
-
-casadi_int iiwa7_kernel_slack_weight_n_out(void) { return 1;}
-
-casadi_real iiwa7_kernel_slack_weight_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_slack_weight_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "distance";
-    case 1: return "d_a";
-    case 2: return "d_r";
-    case 3: return "slack_weight";
-    case 4: return "slack_minimum";
-    case 5: return "slack_maximum";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_slack_weight_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_weight";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_slack_weight_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s6;
-    case 1: return casadi_s6;
-    case 2: return casadi_s6;
-    case 3: return casadi_s6;
-    case 4: return casadi_s6;
-    case 5: return casadi_s6;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_slack_weight_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s6;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_slack_weight_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 6;
-  if (sz_res) *sz_res = 1;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_slack_weight_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 6*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 1*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_objective:(J[7x3],q[1x7],xdot[1x3],damping_gain,damping_threshold,damping_floor,posture_weight[1x7],posture_gain,posture[1x7])->(out_H[7x7],out_g[1x7],out_manipulability,out_damping) */
+/* iiwa7_kernel_objective: Computes the objective of the QP and the damping near singular configurations.
+ *
+ *   H = J'J + lambda I + W, g = -J'xdot - W k (q_p - q) (9); w = sqrt(det(JJ')) (14); lambda =
+ *       max(lambda_min, g_lambda (1 - w/w_0)^2 where w < w_0) (15)
+ *
+ *   arg[0] J: 3x7 row-major [m/rad, 1]
+ *   arg[1] q: 7 [rad]
+ *   arg[2] xdot: 3 [m/s, rad/s]
+ *   arg[3] damping_gain: scalar
+ *   arg[4] damping_threshold: scalar
+ *   arg[5] damping_floor: scalar
+ *   arg[6] posture_weight: 7
+ *   arg[7] posture_gain: scalar [1/s]
+ *   arg[8] posture: 7 [rad]
+ *   res[0] H: 7x7 row-major
+ *   res[1] g: 7
+ *   res[2] manipulability: scalar
+ *   res[3] damping: scalar
+ */
 static int casadi_f8(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
@@ -2088,96 +1563,24 @@ int iiwa7_kernel_objective(const casadi_real** arg, casadi_real** res, casadi_in
   return casadi_f8(arg, res, iw, w, mem);
 }
 
-int iiwa7_kernel_objective_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_objective_release(int mem) {
-}
-
-void iiwa7_kernel_objective_incref(void) {
-}
-
-void iiwa7_kernel_objective_decref(void) {
-}
-
-casadi_int iiwa7_kernel_objective_n_in(void) { return 9;}
-
-casadi_int iiwa7_kernel_objective_n_out(void) { return 4;}
-
-casadi_real iiwa7_kernel_objective_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_objective_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "J";
-    case 1: return "q";
-    case 2: return "xdot";
-    case 3: return "damping_gain";
-    case 4: return "damping_threshold";
-    case 5: return "damping_floor";
-    case 6: return "posture_weight";
-    case 7: return "posture_gain";
-    case 8: return "posture";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_objective_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_H";
-    case 1: return "out_g";
-    case 2: return "out_manipulability";
-    case 3: return "out_damping";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_objective_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s4;
-    case 1: return casadi_s0;
-    case 2: return casadi_s5;
-    case 3: return casadi_s6;
-    case 4: return casadi_s6;
-    case 5: return casadi_s6;
-    case 6: return casadi_s0;
-    case 7: return casadi_s6;
-    case 8: return casadi_s0;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_objective_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s7;
-    case 1: return casadi_s0;
-    case 2: return casadi_s6;
-    case 3: return casadi_s6;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_objective_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 9;
-  if (sz_res) *sz_res = 4;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_objective_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 9*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 4*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
-/* iiwa7_kernel_bounds:(q[1x7],qdot_previous[1x7],q_lower[1x7],q_upper[1x7],qdot_limit[1x7],qddot_limit[1x7],joint_damper,viability,period)->(out_lb[1x7],out_ub[1x7]) */
+/* iiwa7_kernel_bounds: Computes the bounds of qdot from position, velocity and acceleration limits; lb <= ub
+ * always.
+ *
+ *   ub = max(0, min(qdot_limit, k_d (q_ub - q))) (3)(11), then within qdot_previous +- a dt, which gives way
+ *       to the limits
+ *
+ *   arg[0] q: 7 [rad]
+ *   arg[1] qdot_previous: 7 [rad/s]
+ *   arg[2] q_lower: 7 [rad]
+ *   arg[3] q_upper: 7 [rad]
+ *   arg[4] qdot_limit: 7 [rad/s]
+ *   arg[5] qddot_limit: 7 [rad/s^2]
+ *   arg[6] joint_damper: scalar [1/s]
+ *   arg[7] viability: scalar
+ *   arg[8] period: scalar [s]
+ *   res[0] lb: 7 [rad/s]
+ *   res[1] ub: 7 [rad/s]
+ */
 static int casadi_f9(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {
   casadi_real a00, a01, a02, a03, a04, a05, a06, a07, a08, a09, a10, a11;
   casadi_real a12, a13, a14, a15, a16, a17, a18, a19, a20, a21, a22, a23;
@@ -2493,92 +1896,6 @@ static int casadi_f9(const casadi_real** arg, casadi_real** res, casadi_int* iw,
 int iiwa7_kernel_bounds(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem){
   return casadi_f9(arg, res, iw, w, mem);
 }
-
-int iiwa7_kernel_bounds_checkout(void) {
-  return 0;
-}
-
-void iiwa7_kernel_bounds_release(int mem) {
-}
-
-void iiwa7_kernel_bounds_incref(void) {
-}
-
-void iiwa7_kernel_bounds_decref(void) {
-}
-
-casadi_int iiwa7_kernel_bounds_n_in(void) { return 9;}
-
-casadi_int iiwa7_kernel_bounds_n_out(void) { return 2;}
-
-casadi_real iiwa7_kernel_bounds_default_in(casadi_int i) {
-  switch (i) {
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_bounds_name_in(casadi_int i) {
-  switch (i) {
-    case 0: return "q";
-    case 1: return "qdot_previous";
-    case 2: return "q_lower";
-    case 3: return "q_upper";
-    case 4: return "qdot_limit";
-    case 5: return "qddot_limit";
-    case 6: return "joint_damper";
-    case 7: return "viability";
-    case 8: return "period";
-    default: return 0;
-  }
-}
-
-const char* iiwa7_kernel_bounds_name_out(casadi_int i) {
-  switch (i) {
-    case 0: return "out_lb";
-    case 1: return "out_ub";
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_bounds_sparsity_in(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s0;
-    case 1: return casadi_s0;
-    case 2: return casadi_s0;
-    case 3: return casadi_s0;
-    case 4: return casadi_s0;
-    case 5: return casadi_s0;
-    case 6: return casadi_s6;
-    case 7: return casadi_s6;
-    case 8: return casadi_s6;
-    default: return 0;
-  }
-}
-
-const casadi_int* iiwa7_kernel_bounds_sparsity_out(casadi_int i) {
-  switch (i) {
-    case 0: return casadi_s0;
-    case 1: return casadi_s0;
-    default: return 0;
-  }
-}
-
-int iiwa7_kernel_bounds_work(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 9;
-  if (sz_res) *sz_res = 2;
-  if (sz_iw) *sz_iw = 0;
-  if (sz_w) *sz_w = 0;
-  return 0;
-}
-
-int iiwa7_kernel_bounds_work_bytes(casadi_int *sz_arg, casadi_int* sz_res, casadi_int *sz_iw, casadi_int *sz_w) {
-  if (sz_arg) *sz_arg = 9*sizeof(const casadi_real*);
-  if (sz_res) *sz_res = 2*sizeof(casadi_real*);
-  if (sz_iw) *sz_iw = 0*sizeof(casadi_int);
-  if (sz_w) *sz_w = 0*sizeof(casadi_real);
-  return 0;
-}
-
 
 #ifdef __cplusplus
 } /* extern "C" */

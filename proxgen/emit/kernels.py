@@ -6,6 +6,7 @@ from typing import Any
 
 import casadi as ca
 
+from proxgen.emit.casadi_text import described, without_answers
 from proxgen.emit.text import identifier
 from proxgen.errors import GenerateError
 from proxgen.program import Argument, Kernel, Program
@@ -91,10 +92,16 @@ def render_kernels(program: Program, banner: str) -> dict[str, str]:
         header = (Path(folder) / f"{program.robot}_kernels.h").read_text()
     guard = f"{program.robot.upper()}_KERNELS_H"
     header = f"#ifndef {guard}\n#define {guard}\n\n{header}\n#endif"
+    source = described(without_answers(source, program.robot), _symbols(program))
     return {
-        "kernels.h": _clean(f"{banner}\n{header}"),
+        "kernels.h": _clean(f"{banner}\n{without_answers(header, program.robot)}"),
         "kernels.c": _clean(f"{banner}\n{_PREAMBLE}{source}"),
     }
+
+
+def _symbols(program: Program) -> dict[str, Kernel]:
+    """The kernels by the names of their C functions."""
+    return {kernel_symbol(program.robot, kernel.name): kernel for kernel in program.kernels}
 
 
 def _clean(text: str) -> str:

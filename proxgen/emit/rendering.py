@@ -9,8 +9,8 @@ from proxgen.emit.folder import MARK
 from proxgen.emit.kernels import render_kernels
 from proxgen.emit.layout import tidy
 from proxgen.emit.manifest import MANIFEST, dimensions, render_manifest
-from proxgen.emit.signatures import Function, functions, shape_text
-from proxgen.emit.text import WIDTH, block_comment, identifier, number, plain, string
+from proxgen.emit.signatures import Function, functions
+from proxgen.emit.text import WIDTH, block_comment, identifier, number, plain, shape_text, string
 from proxgen.program import ADDITIONS, Argument, Program, SelfPointEntry
 from proxgen.templates import environment
 

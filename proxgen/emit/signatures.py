@@ -111,14 +111,6 @@ def field_dimensions(argument: Argument) -> str:
     return f"[{prod(argument.shape)}]" if argument.shape else ""
 
 
-def shape_text(argument: Argument) -> str:
-    """The shape in words: `scalar`, `7`, `3x7 row-major`."""
-    if not argument.shape:
-        return "scalar"
-    text = "x".join(str(size) for size in argument.shape)
-    return f"{text} row-major" if len(argument.shape) == 2 else text
-
-
 def _function(program: Program, name: str, kernels: list[Kernel], fields: dict[str, Argument]) -> Function:
     """Wrap the kernels of one function, which all have the same inputs and outputs."""
     first = kernels[0]

@@ -1,4 +1,4 @@
-"""Small pieces of C text: numbers, initialisers, comments. Templates hold structure; formatting is here."""
+"""Small pieces of C text: numbers, shapes, comments. Templates hold structure; formatting is here."""
 
 import math
 import re
@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Iterable, Sequence
 
 from proxgen.errors import GenerateError
+from proxgen.program import Argument
 
 WIDTH = 110
 """Greatest number of columns of a line, as in `.clang-format`."""
@@ -66,6 +67,14 @@ def string(text: str) -> str:
     if not all(" " <= character <= "~" for character in text):
         raise GenerateError(f"{text!r} cannot be written as a C string")
     return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def shape_text(argument: Argument) -> str:
+    """The shape in words: `scalar`, `7`, `3x7 row-major`."""
+    if not argument.shape:
+        return "scalar"
+    text = "x".join(str(size) for size in argument.shape)
+    return f"{text} row-major" if len(argument.shape) == 2 else text
 
 
 def comment_text(text: str) -> str:
