@@ -221,6 +221,64 @@ def test_soon_after_the_last_tangent_is_preferred(p: Parameters) -> None:
     assert tool.circulation.tangent[2] > 0.9
 
 
+def test_times_of_whole_cycles_last_so_many_cycles(p: Parameters) -> None:
+    """Eight times 0.1 s, which add up to a little less than 0.8 s."""
+    tenths = changed(p, period=0.1, stall_time=0.8, circulation_release_time=0.8, circulation_patience=0.8)
+    tool = Tool(tenths)
+    found = [bool(tool.cycle(WALL) is not None and tool.circulation.circulating) for _ in range(8)]
+    assert found == [False] * 7 + [True]
+    ways = [float(tool.circulation.tangent[2]) for _ in range(8) if tool.cycle(WALL) is not None]
+    np.testing.assert_allclose(ways, [1.0] * 7 + [-1.0], atol=1e-12)
+    clear = [bool(tool.cycle(NOTHING) is not None and tool.circulation.circulating) for _ in range(8)]
+    assert clear == [True] * 7 + [False]
+
+
+def test_at_its_time_limit_it_goes_on(p: Parameters) -> None:
+    """Beyond it no more; 0.125 s and 1 s are not rounded."""
+    tool = Tool(changed(p, period=0.125, circulation_patience=100.0, circulation_time_limit=1.0))
+    tool.stick()
+    found = [bool(tool.cycle(WALL) is not None and tool.circulation.circulating) for _ in range(9)]
+    assert found == [True] * 8 + [False]
+
+
+def test_progress_counts_against_failing(p: Parameters) -> None:
+    """30 cycles without, 10 with, 30 without: 50."""
+    tool = Tool(p)
+    tool.stick()
+    for count, velocity in ((30, np.zeros(3)), (10, np.array([0.0, 0.0, 0.1])), (29, np.zeros(3))):
+        for _ in range(count):
+            tool.cycle(WALL, velocity)
+        assert tool.circulation.tangent[2] == pytest.approx(1.0)
+    tool.cycle(WALL)
+    assert tool.circulation.tangent[2] == pytest.approx(-1.0)
+
+
+def test_another_way_round_is_along_the_surface(p: Parameters) -> None:
+    """Of the normal, wherever the task points."""
+    tool = Tool(p)
+    tool.stick()
+    for _ in range(50):
+        tool.cycle(facing([0.8, 0.0, 0.6], []))
+    np.testing.assert_allclose(tool.circulation.tangent, [0.6, 0.0, -0.8], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("bias", "since", "way"), [(1.9, None, -1.0), (2.1, None, 1.0), (0.4, 0.0, -1.0), (0.6, 0.0, 1.0)]
+)
+def test_weights_of_the_present_way(p: Parameters, bias: float, since: float | None, way: float) -> None:
+    """-2 against a way that failed, ½ for one that was taken not long ago; the bias is for z."""
+    leaning = changed(p, circulation_bias_z=bias)
+    tool = Tool(leaning, ("x", "z"))
+    if since is None:
+        tool.stick(WALL, np.array([0.25, 0.0]))
+        for _ in range(50):
+            tool.cycle(WALL, xdot=np.array([0.25, 0.0]))
+    else:
+        tool.circulation.tangent, tool.circulation._since = np.array([0.0, 0.0, -1.0]), since
+        tool.stick(WALL, np.array([0.25, 0.0]))
+    assert tool.circulation.tangent[2] == pytest.approx(way)
+
+
 def test_a_planar_task_goes_round_in_its_plane(p: Parameters) -> None:
     """Candidates out of the plane are left out, although the bias points there."""
     tool = Tool(p, ("x", "y"))
