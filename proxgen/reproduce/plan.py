@@ -163,8 +163,8 @@ def full_plan() -> Plan:
 
 
 def quick_plan() -> Plan:
-    """Two of the starts, still 60 s, so that the claims can be judged; comparisons of 10 s with the skin."""
+    """Two of the starts, still 60 s, so that claims can be judged; short comparisons; one film."""
     return Plan(
         "quick", CONFIGURATIONS, EXPERIMENTS, (1, 2), 60.0, _agreements(("skin",)), 10.0,
-        timed_passes=2, limit_minutes=4.0,
+        timed_passes=2, limit_minutes=4.0, films=("gap_proposed",),
     )  # fmt: skip

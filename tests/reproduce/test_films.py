@@ -11,7 +11,7 @@ from PIL import Image
 
 from proxgen.reproduce import films
 from proxgen.reproduce.films import Filming, film_in, films_of
-from proxgen.reproduce.plan import FILMED, Plan, Setup, quick_plan
+from proxgen.reproduce.plan import FILMED, Plan, Setup, full_plan
 from proxgen.reproduce.store import Store
 from proxgen.reproduce.tasks import tasks_of
 
@@ -19,7 +19,7 @@ from proxgen.reproduce.tasks import tasks_of
 @pytest.fixture
 def plan() -> Plan:
     """A plan whose second start is its first."""
-    return replace(quick_plan(), starts=(2, 1))
+    return replace(full_plan(), starts=(2, 1))
 
 
 def filming(plan: Plan) -> list[Filming]:
