@@ -89,6 +89,10 @@ extern const pg_capsule_t iiwa7_capsules[];
 extern const pg_sensor_t iiwa7_tof[];
 extern const pg_sensor_t iiwa7_capacitive[];
 
+/* The arithmetic of a cycle, of which the runtime makes the controller of controller.h. By itself it may
+ * serve simulations and tests: it has no state, and it checks nothing. Pointers are not NULL, arrays have the
+ * length in their declaration, numbers are finite. */
+
 /* Computes all poses, joint axes and the task Jacobian at q.
  *
  *   xdot = J qdot (1)
@@ -129,6 +133,7 @@ int iiwa7_closest_point(const double point[3], const double start[3], const doub
  *
  *   A_i = d_hat' J_p (4)(5)
  *
+ *   in  body       index of a body, as above
  *   in  point      3 [m]: closest point on the link, world
  *   in  direction  3: unit vector from the link to the obstacle, world
  *   out row        7 [m/rad]: one row of A

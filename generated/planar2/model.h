@@ -89,6 +89,10 @@ extern const pg_capsule_t planar2_capsules[];
 extern const pg_sensor_t planar2_tof[];
 extern const pg_sensor_t planar2_capacitive[];
 
+/* The arithmetic of a cycle, of which the runtime makes the controller of controller.h. By itself it may
+ * serve simulations and tests: it has no state, and it checks nothing. Pointers are not NULL, arrays have the
+ * length in their declaration, numbers are finite. */
+
 /* Computes all poses, joint axes and the task Jacobian at q.
  *
  *   xdot = J qdot (1)
@@ -130,6 +134,7 @@ int planar2_closest_point(const double point[3], const double start[3], const do
  *
  *   A_i = d_hat' J_p (4)(5)
  *
+ *   in  body       index of a body, as above
  *   in  point      3 [m]: closest point on the link, world
  *   in  direction  3: unit vector from the link to the obstacle, world
  *   out row        2 [m/rad]: one row of A

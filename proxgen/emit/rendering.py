@@ -181,7 +181,9 @@ def _description(function: Function) -> list[str]:
     lines = [function.summary, "", "  " + function.equation, ""]
     passed = [(argument, "in ") for argument in function.inputs]
     passed += [(argument, "out") for argument in function.outputs]
-    width = max((len(argument.name) for argument, _ in passed), default=0)
+    names = [*function.choosers, *(argument.name for argument, _ in passed)]
+    width = max(map(len, names), default=0)
+    lines += [f"  in  {chooser.ljust(width)}  index of a body, as above" for chooser in function.choosers]
     lines += [_argument_line(argument, side, width) for argument, side in passed]
     if function.parameters:
         lines.append("Reads the parameters " + ", ".join(function.parameters) + ".")
