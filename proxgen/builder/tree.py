@@ -13,6 +13,7 @@ import json
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from struct import calcsize
 from typing import Any
 
 from proxgen import __version__
@@ -138,6 +139,7 @@ def _package_files(library: Path, robot: str, solver: Solver) -> None:
         "version": __version__,
         "backend": solver.name,
         "library": solver.library.name if solver.library else "",
+        "pointer_size": calcsize("P"),
         "mark": f"Made by proxgen {__version__}.",
     }
     cmake = library / "cmake" / f"proxgen_{robot}"

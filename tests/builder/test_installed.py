@@ -1,6 +1,7 @@
 """What a build leaves, used as a stranger would: from C and C++, by pkg-config and CMake, without Python."""
 
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import Sequence
@@ -130,10 +131,13 @@ def test_a_cmake_project_finds_the_package(
         call([tmp_path / "out" / name])
 
 
-def test_cmake_refuses_a_version_that_does_not_fit(moved: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("another", ["version", "processor"])
+def test_cmake_refuses_what_does_not_fit(another: str, moved: Path, tmp_path: Path) -> None:
+    asked = {"version": "", "processor": "set(CMAKE_SIZEOF_VOID_P 4)\n"}[another]
+    number = {"version": "99", "processor": ""}[another]
     (tmp_path / "CMakeLists.txt").write_text(
-        "cmake_minimum_required(VERSION 3.16)\nproject(stranger NONE)\n"
-        f"find_package(proxgen_planar2 99 PATHS {moved})\n"
+        f"cmake_minimum_required(VERSION 3.16)\nproject(stranger NONE)\n{asked}"
+        f"find_package(proxgen_planar2 {number} PATHS {moved})\n"
         "if(proxgen_planar2_FOUND)\n  message(FATAL_ERROR found)\nendif()\n"
     )
     call(["cmake", "-S", tmp_path, "-B", tmp_path / "out"])
@@ -184,10 +188,15 @@ def test_only_public_names_leave_a_library(moved: Path, iiwa7_moved: Path) -> No
 
 def test_daqp_needs_neither_heap_nor_cxx_runtime(moved: Path) -> None:
     listing = call(["nm", "--undefined-only", moved / "lib" / "libplanar2.a"])
-    needed = {line.split()[-1] for line in listing.splitlines() if " U " in line}
-    # malloc and free are those of create, which create_in does without.
-    allowed = {"malloc", "free", "memset", "memcpy", "memmove", "memcmp", "sin", "cos", "sincos", "sqrt"}
-    assert needed <= allowed | {"_GLOBAL_OFFSET_TABLE_"}
+    needed = {
+        member: {line.split()[-1] for line in lines.splitlines() if " U " in line} - {"_GLOBAL_OFFSET_TABLE_"}
+        for member, lines in re.findall(r"^(\w+\.o):\n(.*?)(?:\n\n|\Z)", listing, re.M | re.S)
+    }
+    assert set(needed) == {"libplanar2.o", "heap.o"}
+    allowed = {"memset", "memcpy", "memmove", "memcmp", "sin", "cos", "sincos", "sqrt"}
+    assert needed["libplanar2.o"] <= allowed
+    # What create needs, and create_in does without.
+    assert needed["heap.o"] == {"malloc", "free", "planar2_create_in_checked"}
 
 
 def test_nothing_in_the_package_names_this_machine(moved: Path, planar2_daqp: BuildResult) -> None:
