@@ -101,7 +101,7 @@ public:
   }
 
   /* One control cycle. */
-  Command step(const JointVector &q, const TaskVector &xdot, const Measurement &seen) noexcept {
+  [[nodiscard]] Command step(const JointVector &q, const TaskVector &xdot, const Measurement &seen) noexcept {
     iiwa7_measurement_t view{};
     view.time = seen.time;
     view.tof_range = seen.tof_range.data();
@@ -119,11 +119,11 @@ public:
   pg_status_t reset() noexcept {
     return iiwa7_reset(controller_);
   }
-  pg_status_t get(Parameters &parameters) const noexcept {
+  [[nodiscard]] pg_status_t get(Parameters &parameters) const noexcept {
     return iiwa7_get_parameters(controller_, &parameters);
   }
   /* Refuses a value out of its range, and then changes nothing. */
-  pg_status_t set(const Parameters &parameters) noexcept {
+  [[nodiscard]] pg_status_t set(const Parameters &parameters) noexcept {
     return iiwa7_set_parameters(controller_, &parameters);
   }
   /* Of the last cycle, until the next; nullptr if there is no controller. */

@@ -102,7 +102,7 @@ public:
   }
 
   /* One control cycle. */
-  Command step(const JointVector &q, const TaskVector &xdot, const Measurement &seen) noexcept {
+  [[nodiscard]] Command step(const JointVector &q, const TaskVector &xdot, const Measurement &seen) noexcept {
     planar2_measurement_t view{};
     view.time = seen.time;
     view.tof_range = seen.tof_range.data();
@@ -120,11 +120,11 @@ public:
   pg_status_t reset() noexcept {
     return planar2_reset(controller_);
   }
-  pg_status_t get(Parameters &parameters) const noexcept {
+  [[nodiscard]] pg_status_t get(Parameters &parameters) const noexcept {
     return planar2_get_parameters(controller_, &parameters);
   }
   /* Refuses a value out of its range, and then changes nothing. */
-  pg_status_t set(const Parameters &parameters) noexcept {
+  [[nodiscard]] pg_status_t set(const Parameters &parameters) noexcept {
     return planar2_set_parameters(controller_, &parameters);
   }
   /* Of the last cycle, until the next; nullptr if there is no controller. */

@@ -106,6 +106,16 @@ def test_headers_compile_on_their_own(folder: Path, header: str, language: str, 
     subprocess.run(command, check=True)
 
 
+@pytest.mark.parametrize("call", ["controller.set(p)", "controller.get(p)", "controller.step({}, {}, {})"])
+def test_what_a_call_says_is_not_to_be_overlooked_in_cxx(folder: Path, call: str, tmp_path: Path) -> None:
+    source, include = tmp_path / "main.cpp", [f"-I{folder}", f"-I{ROOT / 'runtime' / 'include'}"]
+    command = [os.environ.get("CC", "cc"), "-std=c++17", "-Werror", "-fsyntax-only", *include, str(source)]
+    for statement, accepted in ((f"(void){call}", True), (call, False)):
+        body = f"planar::Controller controller; planar::Parameters p{{}}; (void)p; {statement};"
+        source.write_text(f'#include "controller.hpp"\nint main() {{ {body} }}\n')
+        assert (subprocess.run(command, capture_output=True).returncode == 0) == accepted
+
+
 class Kinematics(ctypes.Structure):
     _fields_ = (
         ("tool_to_world", ctypes.c_double * 12),
