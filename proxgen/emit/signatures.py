@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import prod
 
 from proxgen.emit.kernels import kernel_symbol, operation_count
-from proxgen.emit.text import identifier
+from proxgen.emit.text import comment_text, identifier
 from proxgen.errors import GenerateError, unknown_name
 from proxgen.program import Argument, Kernel, Program
 
@@ -159,7 +159,7 @@ def _cases(program: Program, kernels: Iterable[Kernel]) -> Iterable[Case]:
             raise GenerateError(
                 f"kernel {kernel.name}: there are only {program.bodies} bodies, counted from 0"
             )
-        note = ", ".join(program.body_names[body] for body in bodies)
+        note = comment_text(", ".join(program.body_names[body] for body in bodies))
         yield Case(bodies, kernel_symbol(program.robot, kernel.name), note)
 
 

@@ -79,7 +79,7 @@ def shape_text(argument: Argument) -> str:
 
 def comment_text(text: str) -> str:
     """`text` on one line, with nothing in it that would end or nest a C comment."""
-    return " ".join(text.split()).replace("*/", "* /").replace("/*", "/ *")
+    return " ".join(_harmless(text).split())
 
 
 def block_comment(paragraphs: Sequence[str]) -> str:
@@ -107,4 +107,13 @@ def block_comment(paragraphs: Sequence[str]) -> str:
 
 def _keep_columns(text: str) -> str:
     """An item's text, harmless in a comment, with the runs of spaces that align its columns."""
-    return text.replace("*/", "* /").replace("/*", "/ *").replace("\n", " ")
+    return _harmless(text).replace("\n", " ")
+
+
+def _harmless(text: str) -> str:
+    """Text that neither ends nor nests a C comment, joins lines, nor hides what follows it from a reader.
+
+    A URDF calls its joints as it likes: a backslash, or the trigraph of one, joins the line with the next.
+    """
+    shown = "".join(c if c.isprintable() or c.isspace() else "?" for c in text)
+    return shown.replace("\\", "/").replace("??/", "? ?/").replace("*/", "* /").replace("/*", "/ *")

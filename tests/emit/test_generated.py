@@ -88,6 +88,18 @@ def test_what_is_to_be_read_is_laid_out_by_clang_format(robot: str, tmp_path: Pa
     subprocess.run([*command, *(tmp_path / name for name in READABLE)], check=True)
 
 
+def test_a_urdf_may_call_its_joints_anything(compile_c: Callable[..., Path], tmp_path: Path) -> None:
+    """Names end up in comments: one ended its comment, a backslash joined its line with the next."""
+    names = ("a*/ int b; /*", "c\\")
+    program = replace(planar_program(), joint_names=names, body_names=names)
+    generate(program, tmp_path)
+    compile_c(tmp_path / "model.c", "-trigraphs")
+    for name in ("model.h", "model.c"):
+        text = (tmp_path / name).read_text()
+        assert "\\\n" not in text and "*/ int b" not in text
+    assert "0 a* / int b; / *, 1 c/" in (tmp_path / "model.h").read_text()
+
+
 @pytest.mark.parametrize("language", ["c", "c++"])
 @pytest.mark.parametrize("header", ["model.h", "controller.h", "controller.hpp"])
 def test_headers_compile_on_their_own(folder: Path, header: str, language: str, tmp_path: Path) -> None:

@@ -62,6 +62,9 @@ def test_what_is_no_identifier_in_c_and_cpp_is_refused(name: str) -> None:
 
 def test_a_comment_cannot_be_ended_from_inside() -> None:
     assert comment_text("a */ b /* c\n  d") == "a * / b / * c d"
+    assert comment_text("joint*\\") == "joint* /"
+    assert comment_text("end ??/") == "end ? ?/"
+    assert comment_text("right\u202eleft \u00e9") == "right?left \u00e9"
 
 
 def test_a_long_comment_is_wrapped_and_items_are_indented() -> None:
