@@ -71,7 +71,7 @@ class Obstacle(Section):
         for key in ("size", "radius", "length"):
             given, needed = getattr(self, key) is not None, key in _MEASURES[self.shape]
             if needed and not given:
-                yield Finding(("shape",), f"a {self.shape} needs '{key}'")
+                yield Finding(("shape", key), f"a {self.shape} needs '{key}'")
             elif given and not needed:
                 has = " and ".join(f"'{name}'" for name in sorted(_MEASURES[self.shape]))
                 yield Finding((key,), f"a {self.shape} has no '{key}', it has {has}")

@@ -226,12 +226,14 @@ def _shown(tag: str) -> str:
     return tag.replace(_TAG, "!!")
 
 
-def _misplaced(problem: str, column: int, begin: yaml.Mark) -> str:
-    """What neither continues a section, which begins at a mark, nor ends it."""
+def _misplaced(problem: str, mark: yaml.Mark, begin: yaml.Mark) -> str:
+    """What, at a mark, neither continues a section, which begins at another one, nor ends it."""
     section = f"the section that begins in line {begin.line + 1}"
-    if column != begin.column:
-        return f"indented by {column} spaces, but the keys of {section} by {begin.column}"
     found = "a list item ('-')" if "'-'" in problem else problem.partition("found ")[2] or problem
+    if f"{mark.buffer}"[mark.pointer - mark.column : mark.pointer].strip():
+        return f"{'text' if '<scalar>' in found else found} after a value that has ended, in {section}"
+    if mark.column != begin.column:
+        return f"indented by {mark.column} spaces, but the keys of {section} by {begin.column}"
     return f"{found} among the keys of {section}"
 
 
@@ -240,7 +242,7 @@ def _syntax_problem(error: yaml.MarkedYAMLError, file: Path) -> Problem:
     mark, begin = error.problem_mark or error.context_mark, error.context_mark
     message = f"not valid YAML: {error.problem or error.context}"
     if error.context == "while parsing a block mapping" and mark and begin:
-        message = f"not valid YAML: {_misplaced(f'{error.problem}', mark.column, begin)}"
+        message = f"not valid YAML: {_misplaced(f'{error.problem}', mark, begin)}"
     elif error.problem == "could not find expected ':'" and begin:
         mark, message = begin, "not valid YAML: no ':' after the key"
     elif "character '\\t'" in message:

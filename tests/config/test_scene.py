@@ -108,6 +108,13 @@ def test_an_unknown_scene_names_the_nearest() -> None:
             "room.yaml:10: targets: expected a list of at least 1 item, found an empty list",
         ),
         ("    radius: 8 cm\n", "", "room.yaml:5: obstacles.0.shape: a sphere needs 'radius'"),
+        # it has one, and that is all that is wrong with it
+        (
+            "    radius: 8 cm\n",
+            "    radius: -8 cm\n",
+            "room.yaml:6: obstacles.0.radius: -8 cm is out of range "
+            "(allowed: greater than 0 and at most 10000 cm)",
+        ),
         (
             "    radius: 8 cm\n",
             "    radius: 8 cm\n    length: 1 m\n",

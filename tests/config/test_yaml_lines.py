@@ -95,6 +95,16 @@ def test_an_alias_stands_for_its_value() -> None:
             "a: 1\n- b\n",
             "f.yaml:2: not valid YAML: a list item ('-') among the keys of the section that begins in line 1",
         ),
+        (
+            "a: 1\nb: 'open' it\n",
+            "f.yaml:2: not valid YAML: text after a value that has ended, "
+            "in the section that begins in line 1",
+        ),
+        (
+            "a: 1\nb: [1, 2], 3\n",
+            "f.yaml:2: not valid YAML: ',' after a value that has ended, "
+            "in the section that begins in line 1",
+        ),
         ("a:\n  b: 1\n  c 1\n  d: 2\n", "f.yaml:3: not valid YAML: no ':' after the key"),
         (
             "a:\n  [1, 2\nb: 3\n",
