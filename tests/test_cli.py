@@ -247,6 +247,16 @@ def test_an_arm_without_sensors_is_told_that_it_sees_nothing(capsys: pytest.Capt
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.filterwarnings("default::proxgen.errors.ProxgenWarning")
+def test_a_scene_in_which_nothing_can_go_well_is_told(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("far.yaml").write_text("name: far\ntargets: [{position: [500, 0, 0]}]\n")
+    words = ["run", PLANAR2, "--scene", "far.yaml", "--controller", "reference", "--duration", "0.1"]
+    assert main(words) == 0
+    assert capsys.readouterr().err.startswith(
+        "proxgen: warning: far.yaml: targets.0 is 500 m from the first joint"
+    )
+
+
 def test_json_that_nothing_else_reads_is_not_written() -> None:
     write_json(Path("folder/a.json"), {"x": 1.0})
     with pytest.raises(ValueError, match="not JSON compliant"):

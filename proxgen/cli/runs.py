@@ -133,12 +133,15 @@ def carry_out_run(arguments: argparse.Namespace) -> int:
             "the arm has no sensors, so that it sees no obstacle; --sensing ideal gives it exact distances"
         )
         warnings.warn(f"{arguments.config}: {message}", ProxgenWarning, stacklevel=1)
+    from proxgen.simulation.doubts import doubts
     from proxgen.simulation.rollout import run
     from proxgen.simulation.scenery import perturbed
 
     offset = None
     if arguments.perturb is not None:
         scene, offset = perturbed(scene, model, arguments.perturb)
+    for message in doubts(scene, model):
+        warnings.warn(f"{arguments.scene}: {message}", ProxgenWarning, stacklevel=1)
     controller = _controller(arguments.controller, config, model)
     with (
         closing(_plant(arguments, model)) as plant,
