@@ -140,3 +140,39 @@ def test_joints_that_follow_each_other_are_refused(tmp_path: Path) -> None:
     urdf.write_text(before + name + after)
     with pytest.raises(ConfigError, match="joint 'joint_1' mimics 'joint_2', which follows it in turn"):
         build_model(load(path))
+
+
+def test_a_joint_may_follow_one_that_follows(tmp_path: Path) -> None:
+    """joint_1 is 2 q_0 + 0.3 here, and joint_2 -0.7 times that and 0.1."""
+    path = write_arm(next(recipe for recipe in RECIPES if recipe.name == "mimic5"), tmp_path)
+    urdf = tmp_path / "mimic5.urdf"
+    before, name, after = urdf.read_text().partition('<joint name="joint_1"')
+    after = after.replace("</joint>", '<mimic joint="joint_0" multiplier="2" offset="0.3"/></joint>', 1)
+    urdf.write_text(before + name + after)
+    model = build_model(load(path))
+    assert model.joint_names == ("joint_0", "joint_3", "joint_4")
+    followers = [(drive.index, drive.ratio, drive.offset) for drive in model.drives[1:3]]
+    assert followers[0] == (0, 2.0, 0.3)
+    assert followers[1] == (0, pytest.approx(-1.4), pytest.approx(-0.11))
+
+
+def test_a_joint_without_an_acceleration_limit_has_none(tmp_path: Path) -> None:
+    """Where limits are given joint by joint."""
+    path = write_arm(RECIPES[0], tmp_path)
+    path.write_text(f"{path.read_text()}limits: {{acceleration: {{joint_1: 11}}}}\n")
+    np.testing.assert_array_equal(build_model(load(path)).qddot_limit, [1e20, 11.0])
+
+
+def test_a_held_joint_holds_what_follows_it(tmp_path: Path) -> None:
+    """A finger at half of the other one's 0.03 m and 0.002 m, along -y."""
+    path = write_arm(next(recipe for recipe in RECIPES if recipe.gripper), tmp_path)
+    urdf = tmp_path / "endless4.urdf"
+    rule = '<mimic joint="finger_left"'
+    assert rule in urdf.read_text()
+    urdf.write_text(urdf.read_text().replace(rule, f'{rule} multiplier="0.5" offset="0.002"'))
+    path.write_text(
+        path.read_text().replace("tool: tool}", "tool: tool, locked_joints: {finger_left: 0.03}}")
+    )
+    model = build_model(load(path))
+    frame = model.pin_model.frames[model.pin_model.getFrameId("right")]
+    np.testing.assert_allclose(frame.placement.translation, [0.0, -0.017, 0.0], atol=1e-12)
