@@ -153,7 +153,7 @@ def test_a_joint_may_follow_one_that_follows(tmp_path: Path) -> None:
     assert model.joint_names == ("joint_0", "joint_3", "joint_4")
     followers = [(drive.index, drive.ratio, drive.offset) for drive in model.drives[1:3]]
     assert followers[0] == (0, 2.0, 0.3)
-    assert followers[1] == (0, pytest.approx(-1.4), pytest.approx(-0.11))
+    assert followers[1] == pytest.approx((0, -1.4, -0.11))
 
 
 def test_a_joint_without_an_acceleration_limit_has_none(tmp_path: Path) -> None:
