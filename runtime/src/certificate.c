@@ -1,6 +1,7 @@
 /* Step 7: what a solver says is believed only after a look at the QP itself. Costs about a tenth
  * of a solve. */
 #include "state.h"
+#include "triangular.h"
 
 #include <math.h>
 
@@ -23,13 +24,6 @@ static void add_pair(residual_t *residual, double zero, double other) {
   add(residual, zero * other);
 }
 
-static double row_times(const double *row, const double x[PG_N]) {
-  double sum = 0.0;
-  for (int j = 0; j < PG_N; j++)
-    sum += row[j] * x[j];
-  return sum;
-}
-
 static double between(double value, double low, double high) {
   return value < low ? low : value > high ? high : value;
 }
@@ -43,7 +37,7 @@ double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution) {
   residual_t residual = {0.0, 0.0};
   double gradient[PG_N];
   for (int j = 0; j < PG_N; j++)
-    gradient[j] = qp->g[j] + row_times(&qp->H[j * PG_N], x);
+    gradient[j] = qp->g[j] + pg_row_times(&qp->H[j * PG_N], x);
 
   for (int i = 0; i < PG_ROWS; i++) {
     if (qp->ubA[i] >= PG_OFF) {
@@ -51,7 +45,7 @@ double pg_kkt_residual(const pg_qp_t *qp, const pg_solution_t *solution) {
       continue;
     }
     const double *row = &qp->A[i * PG_N];
-    const double room = qp->ubA[i] + qp->softness[i] * y[i] - row_times(row, x);
+    const double room = qp->ubA[i] + qp->softness[i] * y[i] - pg_row_times(row, x);
     if (y[i] < room)
       add_pair(&residual, y[i], room);
     else

@@ -9,6 +9,7 @@
  *     [ A_wf  -soft_w  ] [ dy_w ]  =  - [ (Ax - softness*y - ubA)_w ]
  */
 #include "state.h"
+#include "triangular.h"
 
 #include <math.h>
 #include <string.h>
@@ -35,13 +36,6 @@ typedef struct {
   double scale[MOST]; /* of the diagonal, were nothing known of the others */
 } equations_t;
 
-static double row_times(const double *row, const double x[PG_N]) {
-  double sum = 0.0;
-  for (int j = 0; j < PG_N; j++)
-    sum += row[j] * x[j];
-  return sum;
-}
-
 /* A solution may be outside its bounds by a tolerance; a command may not. */
 static void keep_within_bounds(const pg_qp_t *qp, double x[PG_N]) {
   for (int j = 0; j < PG_N; j++)
@@ -55,9 +49,9 @@ static void choose_unknowns(const pg_qp_t *qp, pg_solution_t *solution, equation
   int holds[PG_ROWS];
   for (int i = 0; i < PG_ROWS; i++)
     holds[i] =
-        qp->ubA[i] < PG_OFF && y[i] > qp->ubA[i] + qp->softness[i] * y[i] - row_times(&qp->A[i * PG_N], x);
+        qp->ubA[i] < PG_OFF && y[i] > qp->ubA[i] + qp->softness[i] * y[i] - pg_row_times(&qp->A[i * PG_N], x);
   for (int j = 0; j < PG_N; j++) {
-    gradient[j] = qp->g[j] + row_times(&qp->H[j * PG_N], x);
+    gradient[j] = qp->g[j] + pg_row_times(&qp->H[j * PG_N], x);
     for (int i = 0; i < PG_ROWS; i++)
       gradient[j] += qp->A[i * PG_N + j] * y[i];
   }
@@ -86,7 +80,7 @@ static void write_equations(const pg_qp_t *qp, const pg_solution_t *solution, eq
   const int joints = equations->joints;
   for (int a = 0; a < joints; a++) {
     const int j = equations->index[a];
-    double gradient = qp->g[j] + row_times(&qp->H[j * PG_N], solution->x);
+    double gradient = qp->g[j] + pg_row_times(&qp->H[j * PG_N], solution->x);
     for (int b = joints; b < equations->size && b < MOST; b++) { /* MOST: for compilers, which warn */
       const int i = equations->index[b];
       gradient += qp->A[i * PG_N + j] * solution->y[i];
@@ -103,8 +97,8 @@ static void write_equations(const pg_qp_t *qp, const pg_solution_t *solution, eq
     for (int b = joints; b < a; b++)
       equations->K[a][b] = 0.0;
     equations->K[a][a] = -qp->softness[i];
-    equations->scale[a] = qp->softness[i] + row_times(row, row);
-    equations->change[a] = qp->ubA[i] + qp->softness[i] * solution->y[i] - row_times(row, solution->x);
+    equations->scale[a] = qp->softness[i] + pg_row_times(row, row);
+    equations->change[a] = qp->ubA[i] + qp->softness[i] * solution->y[i] - pg_row_times(row, solution->x);
   }
 }
 

@@ -38,6 +38,7 @@
 #define pg_solver_destroy      PG_NAME(internal_solver_destroy)
 #define pg_solver_reset        PG_NAME(internal_solver_reset)
 #define pg_solver_load         PG_NAME(internal_solver_load)
+#define pg_solver_is_at_hand   PG_NAME(internal_solver_is_at_hand)
 #define pg_solver_solve        PG_NAME(internal_solver_solve)
 #define pg_test_hook           PG_NAME(internal_test_hook)
 

@@ -88,7 +88,9 @@ static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, 
 
 /* Solves one stage; a first answer that proves nothing, or not well enough, gets a second chance. */
 pg_outcome_t pg_solve(pg_controller_t *controller, const pg_qp_t *qp) {
-  if (!PG_RELAXATION_SLACK && pg_search(qp, SHORT_SEARCH) == PG_CONTRADICTORY) return PG_INFEASIBLE;
+  if (!PG_RELAXATION_SLACK && !pg_solver_is_at_hand(controller->solver, qp) &&
+      pg_search(qp, SHORT_SEARCH) == PG_CONTRADICTORY)
+    return PG_INFEASIBLE;
   const pg_outcome_t outcome = attempt(controller, qp, qp, PG_FIRST, 0);
   const int is_final =
       outcome == PG_INFEASIBLE || (outcome == PG_OPTIMAL && controller->cycle.kkt_residual <= GOOD);

@@ -59,6 +59,9 @@ void pg_solver_reset(pg_solver_t *solver);
  * to solve. A row that is off here stays off until the next load. The QP has to outlive the solves. */
 void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp);
 
+/* 1 if loading has brought the solution to light, so that the first solve is certain to find it. */
+int pg_solver_is_at_hand(const pg_solver_t *solver, const pg_qp_t *qp);
+
 /* Solves the loaded QP with the ubA that it has now. After PG_AGAIN it has to be loaded anew. */
 pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
                              pg_solution_t *solution);

@@ -8,8 +8,7 @@
  *     min ||u||^2   subject to   M u <= ubA + M v,   M = A R^-1
  *
  * Rows and bounds are scaled to unit length in u, which is what DAQP's tolerances are made for. */
-#include "solver.h"
-#include "triangular.h"
+#include "minimum.h"
 
 #include "daqp.h"
 
@@ -43,9 +42,10 @@ enum {
 struct pg_solver {
   DAQPWorkspace work;
   DAQPSettings settings;
-  int usable;  /* H could be factorised */
-  int is_free; /* no constraint holds the minimum of the objective back: it is the solution */
-  double x_free[N];
+  int usable;           /* H could be factorised */
+  int is_at_hand;       /* `minimum` is the solution, and the problem below not formed */
+  pg_minimum_t minimum; /* of what is loaded */
+  double held_ubA;      /* of the row that is held there */
 
   double Rinv[N * (N + 1) / 2]; /* R^-1, packed by rows, each scaled to unit length */
   double v[N];
@@ -69,18 +69,6 @@ const char pg_solver_name[] = "daqp";
 /* First element of row i of the packed R^-1 would be at column 0; columns before i are not stored. */
 static double *packed_row(double *packed, int i) {
   return packed + (2 * N - i - 1) * i / 2;
-}
-
-static int meets_constraints(const pg_qp_t *qp, const double x[N]) {
-  for (int j = 0; j < N; j++)
-    if (!(x[j] >= qp->lb[j] && x[j] <= qp->ub[j])) return 0;
-  for (int i = 0; i < ROWS; i++) {
-    double sum = 0.0;
-    for (int j = 0; j < N; j++)
-      sum += qp->A[i * N + j] * x[j];
-    if (!(sum <= qp->ubA[i])) return 0;
-  }
-  return 1;
 }
 
 /* The greater one; fmax would be a call into the C library. */
@@ -201,14 +189,9 @@ void pg_solver_reset(pg_solver_t *solver) {
   (void)solver; /* nothing is carried from QP to QP */
 }
 
-void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
-  double R[N][N];
-  solver->usable = pg_factorise(qp->H, R);
-  if (!solver->usable) return;
-  pg_minimise(R, qp->g, solver->v, solver->x_free);
-  solver->is_free = meets_constraints(qp, solver->x_free);
-  if (solver->is_free) return;
-
+/* Forms the least-distance problem; R is replaced. */
+static void form(pg_solver_t *solver, const pg_qp_t *qp, double R[N][N]) {
+  solver->is_at_hand = 0;
   pg_invert(R);
   place_bounds(solver, qp, R);
   for (int i = 0; i < ROWS; i++)
@@ -218,15 +201,48 @@ void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
 #endif
 }
 
+void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
+  double R[N][N];
+  solver->usable = pg_factorise(qp->H, R);
+  if (!solver->usable) return;
+  pg_solve_transposed(R, qp->g, solver->v);
+  solver->is_at_hand = pg_find_minimum(R, solver->v, qp, &solver->minimum);
+  if (!solver->is_at_hand)
+    form(solver, qp, R);
+  else if (solver->minimum.held >= N)
+    solver->held_ubA = qp->ubA[solver->minimum.held - N];
+}
+
+/* Rows that are switched off or raised leave a minimum where it is, unless they hold it. */
+int pg_solver_is_at_hand(const pg_solver_t *solver, const pg_qp_t *qp) {
+  const int held = solver->minimum.held;
+  return solver->usable && solver->is_at_hand && (held < N || qp->ubA[held - N] == solver->held_ubA);
+}
+
+/* The minimum as a solution. */
+static void take_minimum(const pg_minimum_t *minimum, pg_solution_t *solution) {
+  memcpy(solution->x, minimum->x, sizeof solution->x);
+  if (minimum->held >= N) solution->y[minimum->held - N] = minimum->multiplier;
+  solution->iterations += minimum->held != PG_NOTHING_HELD;
+}
+
+/* The least-distance problem after all, where the row that held the minimum has gone. */
+static void form_late(pg_solver_t *solver, const pg_qp_t *qp) {
+  double R[N][N];
+  pg_factorise(qp->H, R);
+  form(solver, qp, R);
+}
+
 /* Solves what is loaded, from the empty working set. */
 static pg_outcome_t solve_loaded(pg_solver_t *solver, const pg_qp_t *qp, pg_solution_t *solution) {
   DAQPWorkspace *work = &solver->work;
   memset(solution->y, 0, sizeof solution->y);
   if (!solver->usable) return PG_UNSOLVED;
-  if (solver->is_free) {
-    memcpy(solution->x, solver->x_free, sizeof solution->x);
+  if (pg_solver_is_at_hand(solver, qp)) {
+    take_minimum(&solver->minimum, solution);
     return PG_OPTIMAL;
   }
+  if (solver->is_at_hand) form_late(solver, qp);
 
   place_sides(solver, qp);
   reset_daqp_workspace(work);

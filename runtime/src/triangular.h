@@ -1,5 +1,5 @@
-/* Small dense linear algebra with sizes that the compiler knows: the factor of H, and what
- * follows from it. */
+/* Small dense linear algebra with sizes that the compiler knows: rows, the factor of H, and what follows from
+ * it. */
 #ifndef PROXGEN_TRIANGULAR_H
 #define PROXGEN_TRIANGULAR_H
 
@@ -9,6 +9,13 @@
 
 /* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-9. */
 #define PG_LEAST_PIVOT 1e-15
+
+static inline double pg_row_times(const double *row, const double x[PG_N]) {
+  double sum = 0.0;
+  for (int j = 0; j < PG_N; j++)
+    sum += row[j] * x[j];
+  return sum;
+}
 
 /* H = R'R with R upper triangular, its diagonal as reciprocals; 0 if H is not safely positive definite. */
 static inline int pg_factorise(const double *H, double R[PG_N][PG_N]) {
@@ -28,14 +35,18 @@ static inline int pg_factorise(const double *H, double R[PG_N][PG_N]) {
   return 1;
 }
 
-/* v = R^-T g and x = -R^-1 v, the minimum of the objective. */
-static inline void pg_minimise(double R[PG_N][PG_N], const double *g, double v[PG_N], double x[PG_N]) {
+/* m = R^-T a. */
+static inline void pg_solve_transposed(double R[PG_N][PG_N], const double *a, double m[PG_N]) {
   for (int j = 0; j < PG_N; j++) {
-    double sum = g[j];
+    double sum = a[j];
     for (int k = 0; k < j; k++)
-      sum -= R[k][j] * v[k];
-    v[j] = sum * R[j][j];
+      sum -= R[k][j] * m[k];
+    m[j] = sum * R[j][j];
   }
+}
+
+/* x = -R^-1 v. */
+static inline void pg_solve_negated(double R[PG_N][PG_N], const double v[PG_N], double x[PG_N]) {
   for (int i = PG_N - 1; i >= 0; i--) {
     double sum = -v[i];
     for (int k = i + 1; k < PG_N; k++)

@@ -126,6 +126,26 @@ static void stages_share_a_load(void) {
   pg_solver_destroy(bench.solver);
 }
 
+/* Rows that hold the solution are switched off after the first solve, as by the ladder. */
+static void rows_that_held_the_solution_go(void) {
+  bench_t bench;
+  open(&bench);
+  random_t random = {31};
+  int gone = 0;
+  for (int i = 0; i < 5000; i++) {
+    problem_t p = {0};
+    pg_solution_t solution;
+    fill(&random, &p);
+    CHECK_EQUAL(solve(&bench, &p, PG_FIRST, &solution), PG_OPTIMAL);
+    for (int k = 0; k < PG_ROWS; k++)
+      if (solution.y[k] > 0.0) p.ubA[k] = PG_OFF, gone++;
+    CHECK_EQUAL(pg_solver_solve(bench.solver, &p.qp, PG_FIRST, &solution), PG_OPTIMAL);
+    CHECK(pg_kkt_residual(&p.qp, &solution) <= PG_TOLERANCE);
+  }
+  CHECK(gone > 1000);
+  pg_solver_destroy(bench.solver);
+}
+
 /* DAQP alone returns success with x = NaN for a NaN in H or g. */
 static void numbers_that_are_not_finite(void) {
   bench_t bench;
@@ -294,6 +314,7 @@ int main(void) {
   rows_that_come_and_go();
   infeasible_and_feasible_in_turn();
   stages_share_a_load();
+  rows_that_held_the_solution_go();
   numbers_that_are_not_finite();
   a_small_lambda(1e-6, 0);
   a_small_lambda(1e-9, 0);

@@ -35,6 +35,7 @@ CASES = [
     ("test_skin.c", ()),
     ("test_limits.c", ()),
     ("test_certificate.c", ()),
+    ("test_minimum.c", ()),
     ("test_solver.c", ()),
     ("test_solver.c", (FEW_CHANGES,)),
     ("test_life.c", ()),
