@@ -4,7 +4,7 @@
  * on the heap. Here it is formed once per cycle, with sizes known to the compiler, and all stages of the
  * ladder share it:
  *
- *     H = R'R,   u = Rx + v,   v = R^-T g
+ *     H = R'R,   u = Rx + v,   v = R^-T g,   R = D^1/2 U
  *     min ||u||^2   subject to   M u <= ubA + M v,   M = A R^-1
  *
  * Rows and bounds are scaled to unit length in u, which is what DAQP's tolerances are made for. */
@@ -46,6 +46,7 @@ struct pg_solver {
   int is_at_hand;       /* `minimum` is the solution, and the problem below not formed */
   pg_minimum_t minimum; /* of what is loaded */
   double held_ubA;      /* of the row that is held there */
+  double w[N];          /* U^-T g, where H = U'DU */
 
   double Rinv[N * (N + 1) / 2]; /* R^-1, packed by rows, each scaled to unit length */
   double v[N];
@@ -189,26 +190,28 @@ void pg_solver_reset(pg_solver_t *solver) {
   (void)solver; /* nothing is carried from QP to QP */
 }
 
-/* Forms the least-distance problem; R is replaced. */
-static void form(pg_solver_t *solver, const pg_qp_t *qp, double R[N][N]) {
+/* Forms the least-distance problem; U becomes R^-1. */
+static void form(pg_solver_t *solver, const pg_qp_t *qp, double U[N][N]) {
   solver->is_at_hand = 0;
-  pg_invert(R);
-  place_bounds(solver, qp, R);
+  pg_invert(U);
+  for (int j = 0; j < N; j++)
+    solver->v[j] = solver->w[j] * U[j][j];
+  place_bounds(solver, qp, U);
   for (int i = 0; i < ROWS; i++)
-    if (qp->ubA[i] < PG_OFF) place_row(solver, qp->A, i, R);
+    if (qp->ubA[i] < PG_OFF) place_row(solver, qp->A, i, U);
 #if PG_RELAXATION_SLACK
   memcpy(&solver->softness[N], qp->softness, ROWS * sizeof(double));
 #endif
 }
 
 void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp) {
-  double R[N][N];
-  solver->usable = pg_factorise(qp->H, R);
+  double U[N][N];
+  solver->usable = pg_factorise(qp->H, U);
   if (!solver->usable) return;
-  pg_solve_transposed(R, qp->g, solver->v);
-  solver->is_at_hand = pg_find_minimum(R, solver->v, qp, &solver->minimum);
+  pg_solve_transposed(U, qp->g, solver->w);
+  solver->is_at_hand = pg_find_minimum(U, solver->w, qp, &solver->minimum);
   if (!solver->is_at_hand)
-    form(solver, qp, R);
+    form(solver, qp, U);
   else if (solver->minimum.held >= N)
     solver->held_ubA = qp->ubA[solver->minimum.held - N];
 }
@@ -228,9 +231,9 @@ static void take_minimum(const pg_minimum_t *minimum, pg_solution_t *solution) {
 
 /* The least-distance problem after all, where the row that held the minimum has gone. */
 static void form_late(pg_solver_t *solver, const pg_qp_t *qp) {
-  double R[N][N];
-  pg_factorise(qp->H, R);
-  form(solver, qp, R);
+  double U[N][N];
+  pg_factorise(qp->H, U);
+  form(solver, qp, U);
 }
 
 /* Solves what is loaded, from the empty working set. */

@@ -17,53 +17,57 @@ static inline double pg_row_times(const double *row, const double x[PG_N]) {
   return sum;
 }
 
-/* H = R'R with R upper triangular, its diagonal as reciprocals; 0 if H is not safely positive definite. */
-static inline int pg_factorise(const double *H, double R[PG_N][PG_N]) {
+/* H = U'DU with U upper triangular and 1 on its diagonal, where 1/D is kept; 0 if H is not safely positive
+ * definite. Roots, for which all that follows would have to wait, are left to pg_invert. */
+static inline int pg_factorise(const double *H, double U[PG_N][PG_N]) {
+  double DU[PG_N][PG_N];
   for (int i = 0; i < PG_N; i++) {
     double pivot = H[i * PG_N + i];
     for (int k = 0; k < i; k++)
-      pivot -= R[k][i] * R[k][i];
+      pivot -= U[k][i] * DU[k][i];
     if (!(pivot > PG_LEAST_PIVOT && pivot < PG_OFF)) return 0;
-    R[i][i] = 1.0 / sqrt(pivot);
+    U[i][i] = 1.0 / pivot;
     for (int j = i + 1; j < PG_N; j++) {
       double sum = H[i * PG_N + j];
       for (int k = 0; k < i; k++)
-        sum -= R[k][i] * R[k][j];
-      R[i][j] = sum * R[i][i];
+        sum -= U[k][i] * DU[k][j];
+      DU[i][j] = sum;
+      U[i][j] = sum * U[i][i];
     }
   }
   return 1;
 }
 
-/* m = R^-T a. */
-static inline void pg_solve_transposed(double R[PG_N][PG_N], const double *a, double m[PG_N]) {
+/* w = U^-T a. */
+static inline void pg_solve_transposed(double U[PG_N][PG_N], const double *a, double w[PG_N]) {
   for (int j = 0; j < PG_N; j++) {
-    double sum = a[j];
+    w[j] = a[j];
     for (int k = 0; k < j; k++)
-      sum -= R[k][j] * m[k];
-    m[j] = sum * R[j][j];
+      w[j] -= U[k][j] * w[k];
   }
 }
 
-/* x = -R^-1 v. */
-static inline void pg_solve_negated(double R[PG_N][PG_N], const double v[PG_N], double x[PG_N]) {
+/* x = -(DU)^-1 w. */
+static inline void pg_solve_negated(double U[PG_N][PG_N], const double w[PG_N], double x[PG_N]) {
   for (int i = PG_N - 1; i >= 0; i--) {
-    double sum = -v[i];
+    x[i] = -w[i] * U[i][i];
     for (int k = i + 1; k < PG_N; k++)
-      sum -= R[i][k] * x[k];
-    x[i] = sum * R[i][i];
+      x[i] -= U[i][k] * x[k];
   }
 }
 
-/* Replaces R by its inverse; from the last column on, because each needs those before it as they were. */
-static inline void pg_invert(double R[PG_N][PG_N]) {
-  for (int j = PG_N - 1; j > 0; j--)
+/* Replaces U by R^-1, where R = D^1/2 U and H = R'R; from the last column on, because each needs those before
+ * it as they were. */
+static inline void pg_invert(double U[PG_N][PG_N]) {
+  for (int j = PG_N - 1; j >= 0; j--) {
+    U[j][j] = sqrt(U[j][j]);
     for (int i = j - 1; i >= 0; i--) {
       double sum = 0.0;
       for (int k = i + 1; k <= j; k++)
-        sum -= R[i][k] * R[k][j];
-      R[i][j] = sum * R[i][i];
+        sum -= U[i][k] * U[k][j];
+      U[i][j] = sum;
     }
+  }
 }
 
 /* Scales `count` entries to unit length; returns the factor. */

@@ -33,10 +33,10 @@ static void make_problem(random_t *random, problem_t *p, double lambda, int soft
 }
 
 static int find(const problem_t *p, pg_minimum_t *minimum) {
-  double R[PG_N][PG_N], v[PG_N];
-  if (!pg_factorise(p->H, R)) return 0;
-  pg_solve_transposed(R, p->g, v);
-  return pg_find_minimum(R, v, &p->qp, minimum);
+  double U[PG_N][PG_N], w[PG_N];
+  if (!pg_factorise(p->H, U)) return 0;
+  pg_solve_transposed(U, p->g, w);
+  return pg_find_minimum(U, w, &p->qp, minimum);
 }
 
 /* The residual of the certificate, of a minimum as it is. */
