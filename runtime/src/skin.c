@@ -80,6 +80,10 @@ static void offer_ranges(pg_controller_t *controller, const pg_measurement_t *se
 /* Switches that are closed stand for a point at their virtual distance, unless the arm itself may close
  * them. */
 static void offer_switches(pg_controller_t *controller, const pg_measurement_t *seen, field_t *field) {
+  int any_closed = 0; /* in most cycles none is, which processors see sixteen at a time */
+  for (int i = 0; i < PG_CAPACITIVE; i++)
+    any_closed |= seen->capacitive[i];
+  if (!any_closed) return;
   for (int i = 0; i < PG_CAPACITIVE; i++) {
     const pg_sensor_t *sensor = &pg_model_capacitive[i];
     double point[3];
