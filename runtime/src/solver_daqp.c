@@ -1,8 +1,8 @@
 /* Back end DAQP (Arnstrom, Bemporad, Axehill 2022): a dual active-set method in plain C, no heap use.
  *
  * DAQP's core solves a least-distance problem; its own interface forms that problem afresh for every solve,
- * on the heap. Here it is formed once per cycle, with sizes known to the compiler, and all stages of the
- * ladder share it:
+ * on the heap. Here it is formed only where minimum.h does not find the solution, once per cycle, with sizes
+ * known to the compiler, and all stages of the ladder share it:
  *
  *     H = R'R,   u = Rx + v,   v = R^-T g,   R = D^1/2 U
  *     min ||u||^2   subject to   M u <= ubA + M v,   M = A R^-1
@@ -52,7 +52,7 @@ struct pg_solver {
   double v[N];
   double M[ROWS * N];
   double scaling[SIDES];
-  double shift[SIDES]; /* scaled row times v: what u has more than Rx */
+  double shift[ROWS]; /* scaled row times v: what u has more than Rx */
   double dupper[SIDES], dlower[SIDES];
   double softness[SIDES]; /* of the rows, if they are soft */
   int sense[SIDES];
@@ -108,7 +108,7 @@ static void place_row(pg_solver_t *solver, const double *A, int i, double Rinv[N
   solver->scaling[N + i] = pg_normalise(row, N);
   for (int j = 0; j < N; j++)
     shift += row[j] * solver->v[j];
-  solver->shift[N + i] = shift;
+  solver->shift[i] = shift;
   solver->dlower[N + i] = -DAQP_INF;
 }
 
@@ -119,7 +119,7 @@ static void place_sides(pg_solver_t *solver, const pg_qp_t *qp) {
     solver->sense[i] = qp->ub[i] - qp->lb[i] < EQUAL_BOUNDS ? DAQP_ACTIVE | DAQP_IMMUTABLE : 0;
   for (int i = 0; i < ROWS; i++) {
     const int side = N + i;
-    solver->dupper[side] = qp->ubA[i] * solver->scaling[side] + solver->shift[side];
+    solver->dupper[side] = qp->ubA[i] * solver->scaling[side] + solver->shift[i];
     solver->sense[side] = qp->ubA[i] >= PG_OFF ? DAQP_IMMUTABLE : PG_RELAXATION_SLACK ? DAQP_SOFT : 0;
   }
 }
