@@ -4,13 +4,12 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-from proxgen.bench.replay import STAGES
+from proxgen.bench.replay import BACKENDS, STAGES
 
 Measured = Mapping[str, Mapping[str, Any]]
 """The JSON of `proxgen bench` as `bench`, with --peers as `peers`, with --scaling as `scaling`."""
 
 _BLOCK = re.compile(r"(<!-- measured: ([a-z ]+) -->\n).*?(<!-- end -->)", re.DOTALL)
-_BACKENDS = {"daqp": "DAQP", "qpoases": "qpOASES"}
 
 
 def fill(page: str, measured: Measured) -> str:
@@ -38,7 +37,7 @@ def cycle_table(measured: Measured) -> str:
         count = raw["instructions_per_cycle"]
         rows.append(
             (
-                f"{name}, {_BACKENDS[backend]}",
+                f"{name}, {BACKENDS[backend]}",
                 *(_time(raw[key]) for key in ("p50_us", "p99_us", "p999_us", "max_us")),
                 *(_time(best[key]) for key in ("p50_us", "p999_us")),
                 _time(build["p50_us"]),
@@ -63,7 +62,7 @@ def summary_table(measured: Measured) -> str:
     results = measured["bench"]["results"]
     rows = []
     for name in ("gap", "moving"):
-        for backend, title in _BACKENDS.items():
+        for backend, title in BACKENDS.items():
             raw = _find(results, f"{name}: cycle, raw", backend)
             best = _find(results, f"{name}: cycle, best of ", backend)
             times = [_time(row[key]) for row in (raw, best) for key in ("p50_us", "p99_us", "p999_us")]
@@ -81,7 +80,7 @@ def stage_table(measured: Measured) -> str:
     for raw in (row for row in results if row["name"].endswith(": cycle, raw")):
         name, backend = raw["name"].removesuffix(": cycle, raw"), raw["backend"]
         stages = (_find(results, f"{name}: {stage}, raw", backend) for stage in STAGES)
-        rows.append((f"{name}, {_BACKENDS[backend]}", *(_time(stage["p50_us"]) for stage in stages)))
+        rows.append((f"{name}, {BACKENDS[backend]}", *(_time(stage["p50_us"]) for stage in stages)))
     return _table(("raw p50 [µs]", *STAGES), rows)
 
 
@@ -95,7 +94,7 @@ def peer_table(measured: Measured) -> str:
                     f"{result['backend']}",
                     result["name"].partition(":")[0],
                     _time(result["p50_us"]),
-                    f"{_BACKENDS.get(backend, backend)} {_time(own['p50_us'])}",
+                    f"{BACKENDS.get(backend, backend)} {_time(own['p50_us'])}",
                     _ratio(own["ratio_of_p50"]),
                     str(result.get("cycles_without_answer", "")),
                 )

@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from proxgen.bench.peers import PeerBenchmark
+from proxgen.bench.replay import BACKENDS
 from proxgen.bench.run import Benchmark
 from proxgen.bench.scaling import PARTS, Scaling
 from proxgen.report.style import BLUE, SERIES, STEEL, house_style, legend_above, new_figure, save
@@ -47,7 +48,7 @@ def draw_times(benchmark: Benchmark, path: Path) -> Path:
                 share,
                 color=SERIES[names.index(measured.name) % len(SERIES)],
                 linestyle="-" if measured.backend == "daqp" else "--",
-                label=f"{measured.name}, {measured.backend}",
+                label=f"{measured.name}, {BACKENDS[measured.backend]}",
             )
         axes.set(
             xscale="log",
@@ -58,6 +59,8 @@ def draw_times(benchmark: Benchmark, path: Path) -> Path:
         for level, name in ((0.5, "p50"), (1e-2, "p99"), (1e-3, "p99.9")):
             axes.axhline(level, color="#7b8794", linewidth=0.6)
             axes.annotate(name, (1.0, level), xycoords=("axes fraction", "data"), ha="right", va="bottom")
+        axes.xaxis.set_major_formatter("{x:g}")
+        axes.yaxis.set_major_formatter(lambda share, _: f"{100.0 * share:g} %")
         legend_above(axes, columns=4)
         return save(figure, path)
 
@@ -75,7 +78,10 @@ def draw_peers(benchmark: PeerBenchmark, path: Path) -> Path:
     bars: list[tuple[str, float, bool]] = []
     for result in benchmark.results:
         scene = result["name"].partition(":")[0]
-        own = [(f"proxgen {name}, {scene}", of["p50_us"], True) for name, of in result["against"].items()]
+        own = [
+            (f"proxgen {BACKENDS.get(name, name)}, {scene}", of["p50_us"], True)
+            for name, of in result["against"].items()
+        ]
         bars += [bar for bar in own if bar[0] not in {name for name, _, _ in bars}]
         bars.append((f"{result['backend']}, {scene}", result["p50_us"], False))
     bars.sort(key=lambda bar: bar[1])
@@ -94,6 +100,7 @@ def draw_peers(benchmark: PeerBenchmark, path: Path) -> Path:
                 va="center",
             )
         axes.set(xscale="log", xlabel="median time of a cycle [µs]")
+        axes.xaxis.set_major_formatter("{x:g}")
         axes.invert_yaxis()
         return save(figure, path)
 

@@ -16,6 +16,9 @@ from proxgen.config.schema import Config
 from proxgen.controllers.protocol import Array
 from proxgen.errors import BuildError
 
+BACKENDS = {"daqp": "DAQP", "qpoases": "qpOASES"}
+"""How the QP solvers write themselves."""
+
 STAGES = ("input", "bounds", "kinematics", "distances", "rows", "objective", "solve", "certificate")
 """As in replay.c; `solve` is the whole ladder with its certificates, `certificate` one of them alone."""
 
