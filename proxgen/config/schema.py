@@ -249,7 +249,7 @@ class Config(Section):
         yield from self._outside_limits("task.posture.joints", posture)
 
     def _additions(self) -> Iterator[Finding]:
-        """Additions that do not go with the task, the relaxation or the capsules."""
+        """Additions that do not go with the task, the relaxation, the skin or the capsules."""
         method, rows = self.avoidance.method, self.task.rows or ROWS_OF_KIND[self.task.kind]
         linear = {"x", "y", "z"}.intersection(rows)
         if self.avoidance.circulation.enabled and not linear:
@@ -261,6 +261,12 @@ class Config(Section):
         if method != "proposed" and self.relaxation.mode != "staged":
             message = f"avoidance.method: {method} needs the relaxation mode 'staged'"
             yield Finding(("relaxation.mode", "avoidance.method"), message)
+        blind = not (self.skin.cuffs or self.skin.max_points)
+        if blind and not self.avoidance.self_collision.points:
+            message = (
+                "there are no cuffs, and no place for points from elsewhere: the arm would avoid nothing"
+            )
+            yield Finding(("skin.max_points", "skin.cuffs"), message)
         names = [capsule.name for capsule in self.capsules]
         for index, pair in enumerate(self.avoidance.self_collision.exclude):
             if pair.capsule not in names:

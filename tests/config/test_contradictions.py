@@ -107,6 +107,13 @@ CONTRADICTIONS: dict[str, Case] = {
         "25: skin.memory.enabled: there is no range sensor whose points it could keep; switch it off, "
         "or describe the cuffs and their 'tof'",
     ),
+    "nothing that could be avoided": (
+        "  cuffs:\n    - name: wrist\n      frame: lower_arm\n      rings:\n"
+        "        - {offset: 0.2, radius: 6 cm, modules: 4, tilt: [0, 35 deg]}\n",
+        "  max_points: 0\n",
+        "19: skin.max_points: there are no cuffs, and no place for points from elsewhere: "
+        "the arm would avoid nothing",
+    ),
     "self-measurement without sensors": (
         "  cuffs:\n    - name: wrist\n      frame: lower_arm\n      rings:\n"
         "        - {offset: 0.2, radius: 6 cm, modules: 4, tilt: [0, 35 deg]}\n",
