@@ -286,7 +286,8 @@ def _fitting_scenes(beside: Path, model: "RobotModel") -> "list[Scene]":
     for name in scene_names(beside):
         scene = load_scene(name, beside=beside)
         try:
-            scene.start_positions(model.joint_names, model.q_lower.tolist(), model.q_upper.tolist())
+            limits = (model.q_lower.tolist(), model.q_upper.tolist())
+            scene.start_positions(model.joint_names, *limits, model.prismatic)
             scenes.append(scene)
         except ConfigError as error:
             refusals += error.problems

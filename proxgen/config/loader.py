@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from proxgen.config.layers import read_layers
 from proxgen.config.messages import contradictions_besides, dotted, mistaken_keys, problems_of
 from proxgen.config.origin import Origin
-from proxgen.config.quantities import unit_of
+from proxgen.config.quantities import against_its_motion
 from proxgen.config.schema import Config
 from proxgen.config.section import Section
 from proxgen.config.urdf import (
@@ -148,17 +148,19 @@ def _wrong_names(data: Any, names: UrdfNames, origin: Origin) -> Iterator[Proble
             message = unknown_joint(joint, names) or _wrong_unit(joint, value, names)
             if message:
                 yield origin.problem(".".join((*section, joint)), message)
+    if "prismatic" not in names.joints.values():
+        for key in ("acceleration", "tolerance"):  # one value for all joints
+            value = _inside(data, "limits", key)
+            if motion := against_its_motion(value, prismatic=False):
+                yield origin.problem(f"limits.{key}", f"'{value}': every joint {motion}")
 
 
 def _wrong_unit(joint: str, value: Any, names: UrdfNames) -> str | None:
     """A length for a joint that turns, or an angle for one that slides."""
-    prismatic = names.joints[joint] == "prismatic"
+    kind = names.joints[joint]
     for item in value if isinstance(value, list) else [value]:
-        unit = unit_of(item)
-        linear = unit.partition("/")[0] in {"m", "cm", "mm"}
-        if unit and linear != prismatic:
-            turns = "slides; give a length" if prismatic else "turns; give an angle"
-            return f"'{item}': joint '{joint}' is {names.joints[joint]}: it {turns}"
+        if motion := against_its_motion(item, prismatic=kind == "prismatic"):
+            return f"'{item}': joint '{joint}' is {kind}: it {motion}"
     return None
 
 

@@ -269,6 +269,14 @@ def unit_of(value: Any) -> str:
     return match.group(2) if match else ""
 
 
+def against_its_motion(value: Any, *, prismatic: bool) -> str | None:
+    """What a joint does and takes, where a value for it is written in a unit of the other kind; else None."""
+    unit = unit_of(value)
+    if not unit or (unit.partition("/")[0] in {"m", "cm", "mm"}) == prismatic:
+        return None
+    return "slides; give a length" if prismatic else "turns; give an angle"
+
+
 def describe_value(value: Any) -> str:
     """A few words for what was found in a YAML file: `nothing`, `'abc'`, `a list of 3`, `a mapping`."""
     if value is None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, PrivateAttr, Tag
 
@@ -11,7 +11,7 @@ from proxgen.config.layers import read_layers
 from proxgen.config.loader import validate
 from proxgen.config.origin import Origin
 from proxgen.config.paths import is_file
-from proxgen.config.quantities import Angle, JointPosition, Length, Speed, Time
+from proxgen.config.quantities import Angle, JointPosition, Length, Speed, Time, against_its_motion
 from proxgen.config.section import Direction, Finding, Name, Section, Vector3, unique_names, zero_vector
 from proxgen.config.trajectory import read_trajectory
 from proxgen.errors import ConfigError, Problem, nearest_name, unknown_name
@@ -115,6 +115,7 @@ class Scene(Section):
     )
 
     _origin: Origin = PrivateAttr(default_factory=lambda: Origin(Path()))
+    _written_start: Any = PrivateAttr(default=None)  # with units, which only the arm can judge
 
     def contradictions(self) -> Iterator[Finding]:
         """Times that only some targets have, or that do not increase."""
@@ -140,7 +141,11 @@ class Scene(Section):
         return self._origin.problem(key, message)
 
     def start_positions(
-        self, joints: Sequence[str], lower: Sequence[float] = (), upper: Sequence[float] = ()
+        self,
+        joints: Sequence[str],
+        lower: Sequence[float] = (),
+        upper: Sequence[float] = (),
+        prismatic: Sequence[bool] = (),
     ) -> tuple[float, ...]:
         """Joint positions at the start, for an arm with these joints.
 
@@ -148,12 +153,14 @@ class Scene(Section):
             joints: names of the n controlled joints, from base to tool.
             lower: position limits (n,) [rad or m]; not checked if empty.
             upper: the same above.
+            prismatic: whether each slides (n,); units are not checked if empty.
 
         Returns:
             (n,) [rad or m].
 
         Raises:
-            ConfigError: another number of joints, a joint that the arm lacks, a start outside its limits.
+            ConfigError: another number of joints, a joint that the arm lacks, a start outside its limits,
+                an angle for a joint that slides.
         """
         if isinstance(self.start, dict):
             places = {name: f"start.{name}" for name in self.start}
@@ -173,6 +180,12 @@ class Scene(Section):
             if not low <= position <= high:
                 message = f"joint '{name}' would start at {position:.6g}, outside its limits"
                 problems.append(self.problem(places.get(name, "start"), f"{message} {low:.6g} to {high:.6g}"))
+        written = self._written_start
+        by_joint = written if isinstance(written, dict) else dict(zip(joints, written or (), strict=False))
+        for name, slides in zip(joints, prismatic, strict=False):
+            if motion := against_its_motion(by_joint.get(name), prismatic=slides):
+                message = f"'{by_joint[name]}': joint '{name}' {motion}"
+                problems.append(self.problem(places.get(name, "start"), message))
         if problems:
             raise ConfigError(problems)
         return positions
@@ -213,7 +226,7 @@ def load_scene(name: str | Path, beside: Path | None = None) -> Scene:
     problems += found
     if scene is None or problems:
         raise ConfigError(problems)
-    scene._origin = origin
+    scene._origin, scene._written_start = origin, data.get("start")
     return scene
 
 

@@ -133,6 +133,8 @@ def parse_yaml(text: str, file: Path) -> Document:
         return Document(None, [Problem(file, 0, "", "not valid YAML: nested too deeply")])
     if not isinstance(root.value, dict):
         message = "expected keys with values (such as `robot:`) at the top of the file"
+        if text.lstrip("\ufeff \t\r\n").startswith("<"):
+            message += "; this is XML, and `proxgen init` makes a YAML file from a URDF"
         return Document(None, [*builder.problems, Problem(file, root.mark.line, "", message)])
     return Document(root, builder.problems)
 

@@ -149,6 +149,12 @@ class RobotModel:
         return len(self.task_rows)
 
     @property
+    def prismatic(self) -> tuple[bool, ...]:
+        """(n,) whether each controlled joint slides."""
+        names = list(self.pin_model.names)
+        return tuple(self.drives[names.index(name) - 1].prismatic for name in self.joint_names)
+
+    @property
     def transmission(self) -> Array:
         """(pin.nv, n): Pinocchio's velocities from q̇; the identity unless there are mimic joints.
 

@@ -61,6 +61,9 @@ def scaffold(urdf: str, tool: str, output: Path | None = None, *, force: bool = 
     sheet = Sheet(name, str(path), ("x", "y", "z"), solid, not blanks, scale)
     model = _draft_model(render_robot(sheet, arm, capsules, [], Stopgaps()), capsules)
     rows = task_rows(model)
+    if not rows:
+        message = f"no joint moves the position of the tool frame '{tool}'; choose a frame further out"
+        raise ModelError(f"{path}: {message}")
     start = start_posture(model, rows)
     cuffs = propose_cuffs(capsules, usual_postures(start)) if solid else []
     sheet = replace(sheet, rows=rows)

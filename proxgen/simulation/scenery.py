@@ -46,7 +46,7 @@ def surroundings(scene: schema.Scene, model: RobotModel, start_offset: Array | N
         SimulationError: a start offset of the wrong size, or not finite.
     """
     limits = (model.q_lower.tolist(), model.q_upper.tolist())
-    start = np.array(scene.start_positions(model.joint_names, *limits))
+    start = np.array(scene.start_positions(model.joint_names, *limits, model.prismatic))
     if start_offset is not None:
         offset = np.asarray(start_offset, dtype=float)
         if offset.shape != (model.n,):

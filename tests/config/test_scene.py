@@ -196,10 +196,12 @@ def test_the_start_by_name_or_in_order(folder: Path) -> None:
             "room.yaml:14: start.shoulder: joint 'shoulder' would start at 2.5, outside its limits -2 to 2",
         ),
         ("[-1, 0]", "room.yaml:14: start.0: joint 'lift' would start at -1, outside its limits 0 to 0.5"),
+        ("{lift: 3 deg}", "room.yaml:14: start.lift: '3 deg': joint 'lift' slides; give a length"),
+        ("[0.1 m, 1 cm]", "room.yaml:14: start.1: '1 cm': joint 'shoulder' turns; give an angle"),
     ],
 )
 def test_a_start_that_the_arm_cannot_take(folder: Path, start: str, message: str) -> None:
     Path("room.yaml").write_text(SCENE.replace("{shoulder: 30 deg}", start))
     with pytest.raises(ConfigError) as caught:
-        load_scene("room.yaml").start_positions(("lift", "shoulder"), (0.0, -2.0), (0.5, 2.0))
+        load_scene("room.yaml").start_positions(("lift", "shoulder"), (0.0, -2.0), (0.5, 2.0), (True, False))
     assert str(caught.value) == message

@@ -161,3 +161,19 @@ def test_many_names_are_counted_instead_of_listed(folder: Path) -> None:
     with pytest.raises(ConfigError) as caught:
         load("robot.yaml")
     assert caught.value.problems[0].message == "unknown frame 'tip' (the URDF has 30 links)"
+
+
+def test_one_value_for_all_joints_has_a_unit_of_theirs(folder: Path) -> None:
+    """An acceleration of 5 m/s^2 was taken for 5 rad/s^2."""
+    urdf, robot = Path("arm.urdf"), Path("robot.yaml")
+    text = robot.read_text().replace("acceleration: {shoulder: 10, elbow: 20}", "acceleration: 5 m/s^2")
+    robot.write_text(text.replace("viability: true", "viability: true\n  tolerance: 1 mm"))
+    assert load("robot.yaml").limits.acceleration == 5.0  # the lift slides
+    urdf.write_text(urdf.read_text().replace('type="prismatic"', 'type="revolute"'))
+    robot.write_text(robot.read_text().replace("{lift: 10 cm}", "{lift: 0.1}"))
+    with pytest.raises(ConfigError) as caught:
+        load("robot.yaml")
+    assert [str(problem) for problem in caught.value.problems] == [
+        "robot.yaml:13: limits.acceleration: '5 m/s^2': every joint turns; give an angle",
+        "robot.yaml:15: limits.tolerance: '1 mm': every joint turns; give an angle",
+    ]

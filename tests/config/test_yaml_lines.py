@@ -68,6 +68,11 @@ def test_an_alias_stands_for_its_value() -> None:
         ("", "f.yaml: the file is empty"),
         ("# only a comment\n", "f.yaml: the file is empty"),
         ("- 1\n", "f.yaml:1: expected keys with values (such as `robot:`) at the top of the file"),
+        (
+            "<robot/>\n",
+            "f.yaml:1: expected keys with values (such as `robot:`) at the top of the file; this is XML, "
+            "and `proxgen init` makes a YAML file from a URDF",
+        ),
         ("a: 1\nb: 2\na: 3\n", "f.yaml:3: a: the key 'a' is given twice, first in line 1"),
         ("a:\n  b: 1\n  b: 1\n", "f.yaml:3: a.b: the key 'b' is given twice, first in line 2"),
         ("a:\n\tb: 1\n", "f.yaml:2: not valid YAML: a tab; indentation must be made of spaces"),

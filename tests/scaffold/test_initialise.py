@@ -120,6 +120,11 @@ def test_existing_files_are_kept_unless_told_otherwise(tmp_path: Path) -> None:
     ("change", "tool", "message"),
     [
         ("|", "tol", "unknown frame 'tol'; did you mean 'tool'?"),
+        (
+            "|",
+            "joint_0",
+            "no joint moves the position of the tool frame 'joint_0'; choose a frame further out",
+        ),
         ("|", "link_0", "no joint between the base and the tool frame 'link_0' can be controlled"),
         ("wedge.obj|missing.obj", "tool", "the mesh 'missing.obj' does not exist (looked for "),
         ("</robot>|", "tool", "is not well-formed XML"),
