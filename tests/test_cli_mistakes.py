@@ -184,6 +184,12 @@ def test_of_very_many_problems_the_first_are_shown(capsys: pytest.CaptureFixture
     assert count == f"3002 problems; these are the first {MOST_PROBLEMS}"
 
 
+def test_a_full_disk_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "0.1"]
+    assert main([*words, "--json", "/dev/full"]) == 1
+    assert capsys.readouterr().err == "proxgen: No space left on device\n"
+
+
 def test_an_output_that_cannot_be_written_is_said(capsys: pytest.CaptureFixture[str]) -> None:
     Path("file").write_text("")
     words = ["run", PLANAR2, "--scene", "post", "--controller", "reference", "--duration", "0.1"]

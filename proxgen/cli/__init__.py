@@ -45,7 +45,8 @@ def _main(argv: Sequence[str]) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except OSError as error:
-        told = f"{error.filename}: {error.strerror}" if error.filename and error.strerror else str(error)
+        place = f"{error.filename}: " if error.filename else ""
+        told = f"{place}{error.strerror}" if error.strerror else str(error)
         return _fail(f"proxgen: {told}", 1)
     except KeyboardInterrupt:
         return _fail("proxgen: interrupted", 130)

@@ -25,6 +25,12 @@ def first_qp(controller: ReferenceController) -> Diagnostics:
     return controller.step(np.array([0.3, 0.8]), np.zeros(2), seen).diagnostics
 
 
+def test_a_reference_says_what_it_is(controller: ReferenceController) -> None:
+    assert repr(controller) == (
+        "ReferenceController(robot='planar2', joints=2, task_rows=2, capsules=2, tof=4, capacitive=4)"
+    )
+
+
 def test_parameters_come_from_the_configuration(iiwa7_config: Config, iiwa7_model: RobotModel) -> None:
     found = ReferenceController(iiwa7_config, iiwa7_model).parameters
     assert set(found) == set(RANGES) - set(ADDITION_RANGES)

@@ -52,6 +52,13 @@ class ReferenceController:
         self._baseline = baseline(self._order.schedule, model.task_rows) if baseline else None
         self.reset()
 
+    def __repr__(self) -> str:
+        """Robot and sizes, as the compiled controller says them."""
+        model = self.model
+        sizes = f"joints={model.n}, task_rows={model.m}, capsules={len(model.capsules)}"
+        modules = f"tof={len(model.tof_modules)}, capacitive={len(model.capacitive_modules)}"
+        return f"ReferenceController(robot={model.name!r}, {sizes}, {modules})"
+
     @property
     def parameters(self) -> Mapping[str, float | Array]:
         """All run-time parameters by name (see docs/method.md, table of parameters); copies."""
