@@ -263,10 +263,18 @@ def test_another_way_round_is_along_the_surface(p: Parameters) -> None:
 
 
 @pytest.mark.parametrize(
-    ("bias", "since", "way"), [(1.9, None, -1.0), (2.1, None, 1.0), (0.4, 0.0, -1.0), (0.6, 0.0, 1.0)]
+    ("bias", "since", "way"),
+    [
+        (1.9, None, -1.0),
+        (2.1, None, 1.0),
+        (0.4, 0.0, -1.0),
+        (0.6, 0.0, 1.0),
+        (0.4, 2.48, -1.0),
+        (0.4, 2.5, 1.0),
+    ],
 )
 def test_weights_of_the_present_way(p: Parameters, bias: float, since: float | None, way: float) -> None:
-    """-2 against a way that failed, ½ for one that was taken not long ago; the bias is for z."""
+    """-2 against a way that failed, ½ for one that was released within 3 s; the bias is for z."""
     leaning = changed(p, circulation_bias_z=bias)
     tool = Tool(leaning, ("x", "z"))
     if since is None:
@@ -276,6 +284,14 @@ def test_weights_of_the_present_way(p: Parameters, bias: float, since: float | N
     else:
         tool.circulation.tangent, tool.circulation._since = np.array([0.0, 0.0, -1.0]), since
         tool.stick(WALL, np.array([0.25, 0.0]))
+    assert tool.circulation.tangent[2] == pytest.approx(way)
+
+
+@pytest.mark.parametrize(("bias", "way"), [(0.57, -1.0), (0.585, 1.0)])
+def test_weight_of_another_obstacle(p: Parameters, bias: float, way: float) -> None:
+    """One above at 0.26 m weighs 0.30/0.26 = 1.154, and the bias twice: up instead of down."""
+    tool = Tool(changed(p, circulation_bias_z=bias), ("x", "z"))
+    tool.stick(facing([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), np.array([0.25, 0.0]))
     assert tool.circulation.tangent[2] == pytest.approx(way)
 
 
