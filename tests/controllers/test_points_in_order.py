@@ -24,6 +24,16 @@ def either(
     return ReferenceController(planar2_config, planar2_model)
 
 
+def test_a_reading_of_the_whole_range_is_no_point(either: Controller) -> None:
+    """Also where points so far away would count."""
+    either.set_parameters(d_a=2.0, d_active=2.0)
+    for time, reading in enumerate((1.0, 0.999)):
+        seen = Measurement(float(time), np.array([1.0, reading, 1.0, 1.0]), np.zeros(4, dtype=bool))
+        found = either.step(Q, XDOT, seen).diagnostics
+        assert np.isfinite(found.distance).all() == (reading < 1.0)
+        assert found.row_on.any() == (reading < 1.0)
+
+
 @pytest.mark.parametrize("order", [(0, 1, 2), (1, 2, 0), (3, 0, 2), (2, 3, 1)])
 def test_the_first_kind_of_equally_near_points(
     either: Controller, planar2_model: RobotModel, order: tuple[int, int, int]

@@ -1,27 +1,20 @@
 """Circulation: when the tool counts as stuck, which way round it goes, when the way is clear again."""
 
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from circulation_tools import CIRCULATION, FORWARD, NOTHING, WALL, Tool, changed, facing
 from reference_tools import silence, variant
 
 from proxgen.config.scene import load_scene
 from proxgen.controllers.protocol import Array, Status
 from proxgen.controllers.reference import ReferenceController
 from proxgen.controllers.reference.avoidance import Nearest
-from proxgen.controllers.reference.circulation import Circulation
 from proxgen.controllers.reference.parameters import Parameters
 from proxgen.errors import ConfigError
 from proxgen.model.kinematics import tool_pose
 from proxgen.simulation.rollout import run
-
-CIRCULATION = "avoidance: {circulation: {enabled: true}}\n"
-POSITION = ("x", "y", "z")
-FORWARD = np.array([0.25, 0.0, 0.0])
-ON = 0.30
 
 
 @pytest.fixture(scope="module")
@@ -32,43 +25,6 @@ def controller(tmp_path_factory: pytest.TempPathFactory) -> ReferenceController:
 @pytest.fixture(scope="module")
 def p(controller: ReferenceController) -> Parameters:
     return controller._parameters
-
-
-def facing(*directions: list[float], distance: float = 0.25) -> Nearest:
-    """One capsule per direction with an obstacle point in it; an empty one has none."""
-    count = len(directions)
-    there = np.array([bool(direction) for direction in directions])
-    unit = np.array([np.array(d) / np.linalg.norm(d) if d else np.full(3, np.nan) for d in directions])
-    distances = np.where(there, distance + 0.01 * np.arange(count), np.inf)
-    return Nearest(distances, unit, unit, unit, False)
-
-
-WALL = facing([1.0, 0.0, 0.0], [])
-NOTHING = facing([], [])
-
-
-class Tool:
-    """A task of three rows whose tool moves as `velocity` says; remembers what it was told to do."""
-
-    def __init__(self, p: Parameters, rows: tuple[str, ...] = POSITION) -> None:
-        self.circulation, self._p, self._m = Circulation(rows), p, len(rows)
-
-    def cycle(self, nearest: Nearest, velocity: Array | None = None, xdot: Array = FORWARD) -> Array:
-        moving = np.zeros(self._m) if velocity is None else velocity
-        return self.circulation.change(xdot, np.eye(self._m), moving, nearest, ON, self._p)
-
-    def stick(self, nearest: Nearest = WALL, xdot: Array = FORWARD) -> Array:
-        """Stand in front of an obstacle until the tool counts as stuck."""
-        for _ in range(100):
-            told = self.cycle(nearest, xdot=xdot)
-            if self.circulation.circulating:
-                return told
-        raise AssertionError("never stuck")
-
-
-def changed(p: Parameters, **values: Any) -> Parameters:
-    """Other values."""
-    return replace(p, **values)
 
 
 def test_a_free_tool_is_left_alone(p: Parameters) -> None:
@@ -219,80 +175,6 @@ def test_soon_after_the_last_tangent_is_preferred(p: Parameters) -> None:
     tool.circulation.tangent, tool.circulation._since = np.array([0.0, -1.0, 0.0]), 3.0
     tool.stick()
     assert tool.circulation.tangent[2] > 0.9
-
-
-def test_times_of_whole_cycles_last_so_many_cycles(p: Parameters) -> None:
-    """Eight times 0.1 s, which add up to a little less than 0.8 s."""
-    tenths = changed(p, period=0.1, stall_time=0.8, circulation_release_time=0.8, circulation_patience=0.8)
-    tool = Tool(tenths)
-    found = [bool(tool.cycle(WALL) is not None and tool.circulation.circulating) for _ in range(8)]
-    assert found == [False] * 7 + [True]
-    ways = [float(tool.circulation.tangent[2]) for _ in range(8) if tool.cycle(WALL) is not None]
-    np.testing.assert_allclose(ways, [1.0] * 7 + [-1.0], atol=1e-12)
-    clear = [bool(tool.cycle(NOTHING) is not None and tool.circulation.circulating) for _ in range(8)]
-    assert clear == [True] * 7 + [False]
-
-
-def test_at_its_time_limit_it_goes_on(p: Parameters) -> None:
-    """Beyond it no more; 0.125 s and 1 s are not rounded."""
-    tool = Tool(changed(p, period=0.125, circulation_patience=100.0, circulation_time_limit=1.0))
-    tool.stick()
-    found = [bool(tool.cycle(WALL) is not None and tool.circulation.circulating) for _ in range(9)]
-    assert found == [True] * 8 + [False]
-
-
-def test_progress_counts_against_failing(p: Parameters) -> None:
-    """30 cycles without, 10 with, 30 without: 50."""
-    tool = Tool(p)
-    tool.stick()
-    for count, velocity in ((30, np.zeros(3)), (10, np.array([0.0, 0.0, 0.1])), (29, np.zeros(3))):
-        for _ in range(count):
-            tool.cycle(WALL, velocity)
-        assert tool.circulation.tangent[2] == pytest.approx(1.0)
-    tool.cycle(WALL)
-    assert tool.circulation.tangent[2] == pytest.approx(-1.0)
-
-
-def test_another_way_round_is_along_the_surface(p: Parameters) -> None:
-    """Of the normal, wherever the task points."""
-    tool = Tool(p)
-    tool.stick()
-    for _ in range(50):
-        tool.cycle(facing([0.8, 0.0, 0.6], []))
-    np.testing.assert_allclose(tool.circulation.tangent, [0.6, 0.0, -0.8], atol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("bias", "since", "way"),
-    [
-        (1.9, None, -1.0),
-        (2.1, None, 1.0),
-        (0.4, 0.0, -1.0),
-        (0.6, 0.0, 1.0),
-        (0.4, 2.48, -1.0),
-        (0.4, 2.5, 1.0),
-    ],
-)
-def test_weights_of_the_present_way(p: Parameters, bias: float, since: float | None, way: float) -> None:
-    """-2 against a way that failed, ½ for one that was released within 3 s; the bias is for z."""
-    leaning = changed(p, circulation_bias_z=bias)
-    tool = Tool(leaning, ("x", "z"))
-    if since is None:
-        tool.stick(WALL, np.array([0.25, 0.0]))
-        for _ in range(50):
-            tool.cycle(WALL, xdot=np.array([0.25, 0.0]))
-    else:
-        tool.circulation.tangent, tool.circulation._since = np.array([0.0, 0.0, -1.0]), since
-        tool.stick(WALL, np.array([0.25, 0.0]))
-    assert tool.circulation.tangent[2] == pytest.approx(way)
-
-
-@pytest.mark.parametrize(("bias", "way"), [(0.57, -1.0), (0.585, 1.0)])
-def test_weight_of_another_obstacle(p: Parameters, bias: float, way: float) -> None:
-    """One above at 0.26 m weighs 0.30/0.26 = 1.154, and the bias twice: up instead of down."""
-    tool = Tool(changed(p, circulation_bias_z=bias), ("x", "z"))
-    tool.stick(facing([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), np.array([0.25, 0.0]))
-    assert tool.circulation.tangent[2] == pytest.approx(way)
 
 
 def test_a_planar_task_goes_round_in_its_plane(p: Parameters) -> None:

@@ -54,6 +54,7 @@ def test_it_is_forgotten_when_it_is_old(controller: ReferenceController) -> None
     turned[4] = np.radians(30.0)
     cycle(controller, 0.0, s12=0.15)
     assert cycle(controller, 9.99, turned).diagnostics.memory_points == 1
+    assert cycle(controller, 10.0, turned).diagnostics.memory_points == 1  # not older than memory_age
     assert cycle(controller, 10.01, turned).diagnostics.memory_points == 0
 
 

@@ -101,9 +101,11 @@ def test_joints_below_both_do_not_move_them_towards_each_other(controller: Refer
     assert np.linalg.norm(row[3:]) > 0.1
 
 
-def test_the_law_has_thresholds_of_its_own(controller: ReferenceController) -> None:
+@pytest.mark.parametrize("row_speed", [1.0, 0.1])
+def test_the_law_has_thresholds_of_its_own(controller: ReferenceController, row_speed: float) -> None:
     """Right-hand sides follow (13) with 1.0, 0.07, 0.05 and 0.03 m, and never demand more than row_speed."""
-    rng, seen = np.random.default_rng(23), set()
+    rng, seen, less = np.random.default_rng(23), set(), 0
+    controller.set_parameters(row_speed=row_speed)
     for q in rng.uniform(-2.0, 2.0, (300, 7)):
         found = step_at(controller, q).diagnostics
         for slot in np.flatnonzero(found.row_on[-3:]):
@@ -114,10 +116,13 @@ def test_the_law_has_thresholds_of_its_own(controller: ReferenceController) -> N
                 speed = 0.0
             else:
                 speed = -0.2 * min((0.05 - d) / 0.02, 1.0)
-            expected = max(speed, -np.linalg.norm(row))
+            expected = max(speed, -row_speed * float(np.linalg.norm(row)))
             assert found.ubA[-3 + slot] == pytest.approx(expected, abs=1e-12)
             seen.add((d > 0.07, d > 0.05))
+            less += expected > speed
+    controller.set_parameters(row_speed=1.0)
     assert len(seen) == 3
+    assert less > 0 or row_speed == 1.0
 
 
 def test_rows_are_dropped_by_their_own_distances(controller: ReferenceController) -> None:
