@@ -130,6 +130,12 @@ static void a_deadline_that_is_missed(void) {
   rig.seen.time += 0.125;
   CHECK_EQUAL(rig_step(&rig), PG_FAULT_DEADLINE);
   CHECK_EQUAL(rig_step(&rig), PG_SOLVED); /* the late time was taken note of */
+  rig.q[0] = NAN;
+  for (int i = 0; i < 10; i++) /* for 0.2 s no time is taken note of */
+    CHECK_EQUAL(rig_step(&rig), PG_FAULT_NOT_FINITE);
+  rig.q[0] = 0.0;
+  CHECK_EQUAL(rig_step(&rig), PG_FAULT_DEADLINE);
+  CHECK_EQUAL(rig_step(&rig), PG_SOLVED);
   rig_close(&rig);
 }
 
