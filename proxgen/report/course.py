@@ -114,11 +114,19 @@ def draw_status(axes: Axes, log: RolloutLog) -> None:
     axes.spines["left"].set_visible(False)
 
 
+def _percent(count: int, cycles: int) -> str:
+    """A share to a tenth; what is not nothing is not 0.0 %, and what is not all is not 100.0 %."""
+    share = 100.0 * count / cycles
+    if count < cycles and share >= 99.95:
+        return "> 99.9 %"
+    return "< 0.1 %" if 0.0 < share < 0.05 else f"{share:.1f} %"
+
+
 def status_legend(log: RolloutLog) -> list[Patch]:
     """One patch per status that occurs, with its share of the cycles."""
     entries = []
     for status in status_spans(log):
         count = int((log.status == status).sum())
-        text = f"{status.name}  {count} ({100.0 * count / log.cycles:.1f} %)"
+        text = f"{status.name}  {count} ({_percent(count, log.cycles)})"
         entries.append(Patch(facecolor=style.STATUS_COLOURS[status], label=text))
     return entries

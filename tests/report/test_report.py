@@ -16,7 +16,7 @@ from proxgen.config.schema import Config
 from proxgen.model import RobotModel
 from proxgen.report import side_by_side, style, write_report
 from proxgen.report.agreement import agreement_figure, verdict
-from proxgen.report.course import course_figure
+from proxgen.report.course import course_figure, status_legend
 from proxgen.report.joints import joints_figure
 from proxgen.report.links import links_figure
 from proxgen.report.numerics import numerics_figure, timing_figure
@@ -174,6 +174,13 @@ def test_runs_beyond_a_row_get_a_second_figure(tmp_path: Path, monkeypatch: pyte
 def test_percentiles_stand_in_the_histogram() -> None:
     axes = timing_figure([make_log()]).axes[0]
     assert [text.get_text().split()[0] for text in axes.texts] == ["p50", "p99", "p99.9"]
+
+
+def test_a_single_cycle_is_not_nothing_and_all_others_are_not_all() -> None:
+    rare, common = make_log(cycles=3000), make_log(cycles=200)
+    texts = [[entry.get_label() for entry in status_legend(log)] for log in (rare, common)]
+    assert texts[0] == ["SOLVED  2999 (> 99.9 %)", "STOPPED_INFEASIBLE  1 (< 0.1 %)"]
+    assert texts[1] == ["SOLVED  199 (99.5 %)", "STOPPED_INFEASIBLE  1 (0.5 %)"]
 
 
 def test_rare_statuses_stay_visible() -> None:
