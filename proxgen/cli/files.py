@@ -79,10 +79,12 @@ def carry_out_check(arguments: argparse.Namespace) -> int:
     config = load(arguments.config)
     from proxgen.model import build_model
     from proxgen.model.braking import hard_braking
+    from proxgen.model.held import held_outside
 
     model = build_model(config)
-    if (hard := hard_braking(config, model)) is not None:
-        warnings.warn(str(hard), ProxgenWarning, stacklevel=1)
+    hard = hard_braking(config, model)
+    for doubt in (*held_outside(config), *([hard] if hard is not None else [])):
+        warnings.warn(str(doubt), ProxgenWarning, stacklevel=1)
     if arguments.explain:
         from proxgen.config.explain import explain
 

@@ -29,7 +29,7 @@ def joint_limits(config: Config, urdf: Urdf, controlled: list[str]) -> tuple[Arr
     for index, name in enumerate(controlled):
         (lower, upper), velocity = _position(config, urdf, name), config.limits.velocity.get(name)
         if lower is None or upper is None:
-            message = f"the URDF gives joint '{name}' no position limits; set limits.position.{name}"
+            message = f"the URDF gives joint '{name}' {_missing(urdf, name)}; set limits.position.{name}"
             problems.append(config.problem("limits.position", message))
             lower, upper = -UNLIMITED, UNLIMITED
         if velocity is None:
@@ -51,6 +51,14 @@ def _position(config: Config, urdf: Urdf, name: str) -> tuple[float | None, floa
     if written.lower is None or written.upper is None or written.lower >= written.upper:
         return None, None
     return written.lower, written.upper
+
+
+def _missing(urdf: Urdf, name: str) -> str:
+    """What is wrong with the URDF's position limits of a joint that has none that can be used."""
+    lower, upper = urdf.limits[name].lower, urdf.limits[name].upper
+    if lower is None or upper is None:
+        return "no position limits"
+    return f"position limits without room, {lower:.6g} to {upper:.6g}"
 
 
 def _heed_followers(config: Config, urdf: Urdf, controlled: list[str], table: Array) -> list[Problem]:

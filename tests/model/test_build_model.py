@@ -14,6 +14,7 @@ from proxgen.config.schema import Config
 from proxgen.errors import ConfigError
 from proxgen.model import RobotModel, build_model
 from proxgen.model.frames import snapped
+from proxgen.model.held import held_outside
 from proxgen.model.kinematics import body_poses, to_pin, tool_pose
 
 
@@ -179,6 +180,27 @@ def test_infinite_limits_are_no_limits(tmp_path: Path) -> None:
     urdf.write_text(urdf.read_text().replace('lower="-2.2" upper="2.4"', 'lower="-inf" upper="inf"', 1))
     with pytest.raises(ConfigError, match=r"joint 'joint_0' no position limits; set limits\.position"):
         build_model(load(path))
+
+
+def test_limits_without_room_are_shown(tmp_path: Path) -> None:
+    path = write_arm(RECIPES[0], tmp_path)
+    urdf = tmp_path / f"{RECIPES[0].name}.urdf"
+    urdf.write_text(urdf.read_text().replace('lower="-2.2" upper="2.4"', 'lower="2.2" upper="-2.4"', 1))
+    told = r"joint 'joint_0' position limits without room, 2\.2 to -2\.4; set limits\.position\.joint_0"
+    with pytest.raises(ConfigError, match=told):
+        build_model(load(path))
+
+
+def test_joints_that_are_held_outside_their_limits_are_told(tmp_path: Path) -> None:
+    path = write_arm(RECIPES[0], tmp_path)
+    text = path.read_text()
+    for position, count in ((2.4, 0), (2.4001, 1), (-2.3, 1)):
+        path.write_text(text.replace("robot: {", f"robot: {{locked_joints: {{joint_1: {position}}}, ", 1))
+        config = load(path)
+        assert config.robot.locked_joints == {"joint_1": position}
+        told = [problem.message for problem in held_outside(config)]
+        assert len(told) == count
+        assert all("joint 'joint_1' is held at" in message and "-2.2 to 2.4" in message for message in told)
 
 
 def test_broken_urdf_is_a_config_error(tmp_path: Path) -> None:
