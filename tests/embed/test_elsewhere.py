@@ -58,20 +58,23 @@ def test_the_replay_commands_what_the_library_commands(
     assert np.array_equal(output.qdot, [command.qdot for command in commands])
     assert np.array_equal(output.status, [command.status for command in commands])
     assert len(set(output.status)) > 1
+    assert 0.0 < np.abs(output.same - output.qdot).max() < 1e-10, "another sine is not linked, or a wrong one"
 
 
 def test_differences_and_costs_are_found(elsewhere: ModuleType) -> None:
     qdot, status, few = np.zeros((5, 7)), np.zeros(5), np.full(5, 20_000.0)
-    right = elsewhere.Output(status, few, qdot, 1006.0, 1000.0)
+    right = elsewhere.Output(status, few, qdot, 1006.0, 1000.0, qdot)
     found = elsewhere.problems
     assert found("gap", right, {"cortex-m7": right}) == []
-    moved = elsewhere.Output(status, few, qdot + 2e-12, 1006.0, 1000.0)
-    assert "commands differ by 2.0e-12" in found("gap", right, {"cortex-m7": moved})[0]
-    other = elsewhere.Output(status + 1, few, qdot, 1006.0, 1000.0)
+    moved = elsewhere.Output(status, few, qdot + 2e-11, 1006.0, 1000.0, qdot)
+    assert "commands differ by 2.0e-11" in found("gap", right, {"cortex-m7": moved})[0]
+    unlike = elsewhere.Output(status, few, qdot, 1006.0, 1000.0, qdot + 1e-300)
+    assert "differ with the same sine" in found("gap", right, {"cortex-m7": unlike})[0]
+    other = elsewhere.Output(status + 1, few, qdot, 1006.0, 1000.0, qdot)
     assert "other statuses" in found("gap", right, {"cortex-m7": other})[0]
-    slow = elsewhere.Output(status, few * 2, qdot, 1006.0, 1000.0)
+    slow = elsewhere.Output(status, few * 2, qdot, 1006.0, 1000.0, qdot)
     assert "40000 instructions per cycle" in found("gap", right, {"cortex-m7": slow})[0]
-    miscounted = elsewhere.Output(status, few, qdot, 1900.0, 1000.0)
+    miscounted = elsewhere.Output(status, few, qdot, 1900.0, 1000.0, qdot)
     assert "counted as 1900" in found("gap", right, {"cortex-m7": miscounted})[0]
 
 
