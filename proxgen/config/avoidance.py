@@ -101,7 +101,7 @@ class Damping(Section):
     threshold: Annotated[float, Number(ge=0.0, le=100.0)] = Field(
         0.001, description="w_0: manipulability below which it acts (15)"
     )
-    floor: Annotated[float, Number(ge=1e-9, le=1.0)] = Field(
+    floor: Annotated[float, Number(ge=1e-6, le=1.0)] = Field(
         1e-3, description="lambda_min: keeps H positive definite"
     )
 

@@ -57,7 +57,8 @@ RANGES: dict[str, tuple[float, float]] = {
     "d_active": (1e-6, 10.0),
     "damping_gain": (0.0, 100.0),
     "damping_threshold": (0.0, 100.0),
-    "damping_floor": (1e-9, 100.0),
+    # Where H alone decides, a residual of 1e-14 leaves an error of 1e-14/lambda: 1e-8 rad/s at this floor.
+    "damping_floor": (1e-6, 100.0),
     "slack_weight": (1e-3, 1e6),
     "slack_minimum": (1e-3, 10.0),
     "slack_maximum": (1e-3, 10.0),

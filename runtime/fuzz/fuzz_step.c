@@ -92,7 +92,7 @@ static void check_promises(const pg_controller_t *controller, pg_status_t status
     REQUIRE(qdot[j] >= cycle->lb[j] && qdot[j] <= cycle->ub[j]);
   }
   REQUIRE(status < PG_SOLVED || status >= PG_STOPPED_INFEASIBLE || cycle->kkt_residual <= PG_TOLERANCE);
-  REQUIRE(cycle->solves <= 20 && cycle->iterations <= 5 * (1 + 3 * 4) * PG_MAX_ITERATIONS);
+  REQUIRE(cycle->solves <= 25 && cycle->iterations <= 5 * (1 + 4 * 4) * PG_MAX_ITERATIONS);
   unsigned long long sum = 0;
   for (int s = 0; s < 32; s++)
     sum += counters->status_count[s];

@@ -9,12 +9,17 @@
 #define SHORT_SEARCH 2
 #define LONG_SEARCH  256
 
-/* After a second attempt with the rows as they are, rows are moved apart by one to two times these [m/s].
- * Where they leave a single point, rounding errors make a solver see a contradiction; so they do not meet in
- * one point any more. Polishing then puts the solution on the rows as they are: from near by, where levers
- * are short and 1e-9 m/s is far. */
-static const double distances_apart[] = {0.0, 1e-9, 1e-13};
-enum { FURTHER_ATTEMPTS = sizeof distances_apart / sizeof distances_apart[0] };
+/* The attempts after a first one: another way, then with tolerances near rounding. Within a solver's usual
+ * ones, a narrow cone or box has more than one working set; with the wrong one polishing comes to nothing.
+ *
+ * Then rows are moved apart by one to two times `apart` [m/s]. Where they leave a single point, rounding
+ * errors make a solver see a contradiction; so they do not meet in one point any more. Polishing then puts
+ * the solution on the rows as they are: from near by, where levers are short and 1e-9 m/s is far. */
+static const struct {
+  pg_start_t start;
+  double apart;
+} further_attempts[] = {{PG_AGAIN, 0.0}, {PG_SHARP, 0.0}, {PG_AGAIN, 1e-9}, {PG_AGAIN, 1e-13}};
+enum { FURTHER_ATTEMPTS = sizeof further_attempts / sizeof further_attempts[0] };
 
 #define GOLDEN_SECTION 0.6180339887498949
 
@@ -72,8 +77,9 @@ static pg_outcome_t solve_again(pg_controller_t *controller, const pg_qp_t *qp, 
   apart.ubA = ubA;
   controller->cycle.second_chances++;
   for (int k = 0; k < FURTHER_ATTEMPTS && least > GOOD; k++) {
-    move_apart(qp, distances_apart[k], ubA);
-    const pg_outcome_t again = attempt(controller, &apart, qp, PG_AGAIN, k == FURTHER_ATTEMPTS - 1);
+    move_apart(qp, further_attempts[k].apart, ubA);
+    const pg_outcome_t again =
+        attempt(controller, &apart, qp, further_attempts[k].start, k == FURTHER_ATTEMPTS - 1);
     pg_solver_load(controller->solver, qp); /* as it was, for what follows */
     if (again == PG_INFEASIBLE && outcome != PG_OPTIMAL) return PG_INFEASIBLE;
     if (again != PG_OPTIMAL || !(*residual < least)) continue;

@@ -35,7 +35,8 @@ typedef enum {
 
 typedef enum {
   PG_FIRST, /* the way that is fastest from cycle to cycle */
-  PG_AGAIN  /* another way, after a first answer that did not pass */
+  PG_AGAIN, /* another way, after a first answer that did not pass */
+  PG_SHARP  /* likewise, with tolerances near rounding: may fail more often, but not halt at a near miss */
 } pg_start_t;
 
 typedef struct {
@@ -62,7 +63,7 @@ void pg_solver_load(pg_solver_t *solver, const pg_qp_t *qp);
 /* 1 if loading has brought the solution to light, so that the first solve is certain to find it. */
 int pg_solver_is_at_hand(const pg_solver_t *solver, const pg_qp_t *qp);
 
-/* Solves the loaded QP with the ubA that it has now. After PG_AGAIN it has to be loaded anew. */
+/* Solves the loaded QP with the ubA that it has now. After PG_AGAIN and PG_SHARP it has to be loaded anew. */
 pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
                              pg_solution_t *solution);
 

@@ -36,6 +36,10 @@ enum {
 #define ROUNDING      1e-3
 #define ROUNDED_STEPS 4
 
+/* What the last of these steps has in a sharp attempt, in parts of the tolerance: a row that is exceeded by
+ * no more than that is not in the working set, and polishing cannot add it where rows leave a narrow cone. */
+#define SHARPER 1e-2
+
 /* Bounds that are closer to each other are one value. */
 #define EQUAL_BOUNDS 1e-11
 
@@ -270,7 +274,8 @@ static pg_outcome_t solve_loaded(pg_solver_t *solver, const pg_qp_t *qp, pg_solu
 /* The other way: a rounder objective, 1/2 x'Hx + g'x + 1/2 mu ||x - c||^2, where c is the solution of the
  * step before (proximal point method). Constraints that a flat H makes hard to tell apart are told apart in
  * this. */
-static pg_outcome_t solve_rounded(pg_solver_t *solver, const pg_qp_t *qp, pg_solution_t *solution) {
+static pg_outcome_t solve_rounded(pg_solver_t *solver, const pg_qp_t *qp, int is_sharp,
+                                  pg_solution_t *solution) {
   double H[N * N], g[N];
   pg_qp_t rounded = *qp;
   pg_outcome_t outcome = PG_OPTIMAL;
@@ -283,6 +288,7 @@ static pg_outcome_t solve_rounded(pg_solver_t *solver, const pg_qp_t *qp, pg_sol
     for (int j = 0; j < N; j++)
       g[j] = qp->g[j] - ROUNDING * solution->x[j];
     pg_solver_load(solver, &rounded);
+    if (is_sharp && step == ROUNDED_STEPS - 1) solver->settings.primal_tol *= SHARPER;
     outcome = solve_loaded(solver, &rounded, solution);
   }
   return outcome;
@@ -291,5 +297,6 @@ static pg_outcome_t solve_rounded(pg_solver_t *solver, const pg_qp_t *qp, pg_sol
 pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
                              pg_solution_t *solution) {
   memset(solution, 0, sizeof *solution);
-  return start == PG_FIRST ? solve_loaded(solver, qp, solution) : solve_rounded(solver, qp, solution);
+  return start == PG_FIRST ? solve_loaded(solver, qp, solution)
+                           : solve_rounded(solver, qp, start == PG_SHARP, solution);
 }

@@ -24,9 +24,14 @@ constexpr int rows = PG_ROWS;
 constexpr int slacks = PG_RELAXATION_SLACK ? rows : 0;
 constexpr int variables = n + slacks; // x = [q_dot; s]
 
+// Bounds that are closer to each other are one value, and shorter steps are none, in a sharp attempt; by
+// default 2e-10 and 1e-9, with which it halts at working sets that are not those of the solution.
+constexpr double sharp = 1e-14;
+
 // Defaults, which were the most reliable of the three sets, except:
-qpOASES::Options options() {
+qpOASES::Options options(bool is_sharp) {
   qpOASES::Options options;
+  if (is_sharp) options.boundTolerance = options.terminationTolerance = sharp;
   options.printLevel = qpOASES::PL_NONE;
   options.enableFullLITests = qpOASES::BT_TRUE;     // without, 1 in 100 infeasible QPs ends as a failure
   options.enableNZCTests = qpOASES::BT_FALSE;       // H is positive definite: there is no direction
@@ -88,7 +93,7 @@ struct pg_solver {
 };
 
 pg_solver::pg_solver() {
-  problem.setOptions(options());
+  problem.setOptions(options(false));
   for (int i = 0; i < rows; i++)
     lbA[i] = -PG_OFF;
   for (int i = 0; i < slacks; i++) {
@@ -167,13 +172,15 @@ int pg_solver_is_at_hand(const pg_solver_t *solver, const pg_qp_t *qp) {
 pg_outcome_t pg_solver_solve(pg_solver_t *solver, const pg_qp_t *qp, pg_start_t start,
                              pg_solution_t *solution) {
   *solution = pg_solution_t{};
-  silence();
   qpOASES::int_t changes = PG_MAX_ITERATIONS;
   try {
+    if (start == PG_SHARP) solver->problem.setOptions(options(true));
+    silence();
     const qpOASES::returnValue result =
         start == PG_FIRST && solver->hot
             ? solver->start_hot(qp->ubA, changes)
             : solver->start_cold(qp->ubA, start == PG_FIRST && solver->has_working_set, changes);
+    if (start == PG_SHARP) solver->problem.setOptions(options(false));
     solution->iterations = changes;
     solver->hot = result == qpOASES::SUCCESSFUL_RETURN;
     // qpOASES counts multipliers of upper bounds as negative. Without a solution, those that have grown while

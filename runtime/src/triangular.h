@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-9. */
+/* H is not factorised beyond this; its eigenvalues are at least the floor of lambda, 1e-6. */
 #define PG_LEAST_PIVOT 1e-15
 
 static inline double pg_row_times(const double *row, const double x[PG_N]) {

@@ -159,7 +159,7 @@ static void check_cycle(const pg_controller_t *controller, pg_status_t status, c
     CHECK(pg_kkt_residual(&stage, &controller->solution) == cycle->kkt_residual);
     CHECK(memcmp(qdot, controller->solution.x, PG_N * sizeof(double)) == 0);
   }
-  CHECK(cycle->solves <= 20 && cycle->iterations <= 5 * (1 + 3 * 4) * PG_MAX_ITERATIONS);
+  CHECK(cycle->solves <= 25 && cycle->iterations <= 5 * (1 + 4 * 4) * PG_MAX_ITERATIONS);
   for (int slot = 0; slot < PG_ROWS; slot++) {
     double squared = 0.0;
     for (int j = 0; j < PG_N; j++)

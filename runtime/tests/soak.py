@@ -3,11 +3,12 @@
 What must hold in every cycle is checked by `random_cycles.c`, with the controller of the iiwa 7 or another:
 
 - Optimised builds. Uses of the heap are counted. qpOASES starts each cycle from the velocity that DAQP had
-  found, so that both decide about the same problems; then their statuses and commands are compared. Once with
-  parameters within a factor of ten of the default ones, once with parameters from anywhere in their ranges.
-- Of every fiftieth cycle, and of all in which the back ends differ or give up, the stages are judged anew: by
-  the reference's search for proofs (`feasibility_margin`), and where that is not sharp enough in rational
-  arithmetic, without rounding.
+  found, so that both decide about the same problems; then their statuses and commands are compared. Once
+  with parameters within a factor of ten of the default ones, once with parameters from anywhere in their
+  ranges.
+- Of every fiftieth cycle, and of all in which statuses or commands differ or a back end gives up, the stages
+  are judged anew: by the reference's search for proofs (`feasibility_margin`), and where that is not sharp
+  enough in rational arithmetic, without rounding.
 - Builds with AddressSanitizer and UndefinedBehaviorSanitizer, and parameters from anywhere in their ranges.
 """
 
@@ -43,6 +44,12 @@ SANITIZED = ["-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
 SEED = "7"
 MOST_MISSED = {"daqp": 0.0, "qpoases": 1e-4}
 """Part of the feasible problems that may be missed."""
+
+APART = 1e-8
+"""Commands that differ by more [rad/s] are disputed."""
+
+MOST_APART = 1e-5
+"""Part of the feasible problems, ties apart, in which they may: multipliers of 1e6 and more make them."""
 
 TOLERANCE = 1e-8
 """Rows that exclude each other by less [m/s] are a tie (docs/method.md, step 6)."""
@@ -149,10 +156,17 @@ def judge(problem: Problem, order: RowOrder, decided: Sequence[float]) -> list[s
     return words
 
 
+def apart(records: dict[str, Record]) -> Array:
+    """(T,) how far commands differ [rad/s]; 0 where statuses do."""
+    first, second = (records[name] for name in BACKENDS)
+    return np.where(first.status == second.status, np.abs(first.qdot - second.qdot).max(axis=1), 0.0)
+
+
 def listed(records: dict[str, Record], step: int = 50) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Cycles to judge: each `step`-th without a fault, and all disputed ones; and (T,) which are disputed."""
     statuses = np.array([records[name].status for name in BACKENDS])
     disputed = (statuses[0] != statuses[1]) | (statuses == Status.STOPPED_SOLVER).any(axis=0)
+    disputed |= apart(records) > APART
     sampled = np.arange(disputed.size) % step == 0
     return np.flatnonzero((sampled | disputed) & (statuses <= Status.STOPPED_SOLVER).all(axis=0)), disputed
 
@@ -163,7 +177,7 @@ def problems(
     """What falls short of the promises, in words.
 
     Args:
-        judged: per back end, how many cycles were right, tied, missed, wrong.
+        judged: per back end, how many cycles were right, tied, missed, wrong; and apart, though not tied.
         cycles: with a QP, all of the run.
         heap_calls: of DAQP.
         disputed_faults: cycles that are a fault for one back end only.
@@ -176,6 +190,8 @@ def problems(
             found.append(f"{name} solved what is infeasible in {judged[name]['wrong']} cycles")
         if judged[name]["missed"] > MOST_MISSED[name] * cycles:
             found.append(f"{name} missed {judged[name]['missed']} of {cycles} feasible problems")
+    if judged[BACKENDS[0]]["apart"] > MOST_APART * cycles:
+        found.append(f"commands differ in {judged[BACKENDS[0]]['apart']} of {cycles} feasible problems")
     return found
 
 
@@ -207,11 +223,9 @@ class Soak:
         print(said, self.run("qpoases", *options, *follow), sep="", end="", flush=True)
         joints = self.manifest["dimensions"]["joints"]
         records = {name: read_record(path, joints) for name, path in paths.items()}
-        same = records["daqp"].status == records["qpoases"].status
-        apart = np.abs(records["daqp"].qdot - records["qpoases"].qdot)[same].max(axis=1)
-        beyond = np.count_nonzero(apart > 1e-8)
-        print(f"statuses differ in {np.sum(~same)} cycles; commands elsewhere by at most")
-        print(f"{apart.max():.1e} rad/s, and by more than 1e-8 in {beyond} cycles")
+        differ, distance = records["daqp"].status != records["qpoases"].status, apart(records)
+        print(f"statuses differ in {np.sum(differ)} cycles; commands elsewhere by at most")
+        print(f"{distance.max():.1e} rad/s, and by more than {APART} in {np.sum(distance > APART)} cycles")
         faults = {name: record.status > Status.STOPPED_SOLVER for name, record in records.items()}
         judged = self.judge(records, options)
         best = np.minimum(records["daqp"].status, records["qpoases"].status)
@@ -230,12 +244,13 @@ class Soak:
         at.write_text("\n".join(map(str, cycles)))
         self.run("daqp", *options, "--at", str(at), "--problems", str(written))
         order = RowOrder.of(self.config)
-        read = read_problems(written, self.manifest, order.self_collision)
+        read, differ = read_problems(written, self.manifest, order.self_collision), apart(records) > APART
         for cycle, problem in zip(cycles, read, strict=True):
             decided = [records[name].status[cycle] for name in BACKENDS]
             worth = judge(problem, order, decided)
             for name, word in zip(BACKENDS, worth, strict=True):
                 judged[name][word] += 1
+                judged[name]["apart"] += bool(differ[cycle] and word != "tied")
         for name in BACKENDS:
             print(f"judged {len(cycles)} cycles ({np.sum(disputed)} disputed): {name} {dict(judged[name])}")
         return judged

@@ -77,7 +77,7 @@ def test_limits_that_are_absent_stand_as_1e20(planar2_config: Config, planar2_mo
         ({"period": 0.0}, "period"),
         ({"period": float("nan")}, "period"),
         ({"viability": 0.5}, "0 or 1"),
-        ({"damping_floor": 1e-10}, "damping_floor"),
+        ({"damping_floor": 0.9e-6}, "damping_floor"),
         ({"repulse_speed": 0.1}, "repulse_speed"),
         ({"approach_speed": 0.0}, "approach_speed"),
         ({"limit_tolerance": -0.1}, "limit_tolerance"),

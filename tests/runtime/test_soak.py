@@ -42,6 +42,7 @@ def test_nothing_is_found_where_nothing_is_wrong() -> None:
         ({"daqp": {"missed": 1}}, "daqp missed 1 of 20000 feasible problems"),
         ({"qpoases": {"missed": 3}}, "qpoases missed 3 of 20000 feasible problems"),
         ({"qpoases": {"wrong": 1}}, "qpoases solved what is infeasible in 1 cycles"),
+        ({"daqp": {"apart": 1}}, "commands differ in 1 of 20000 feasible problems"),
     ],
 )
 def test_problems_are_found(judged: dict[str, dict[str, int]], message: str) -> None:
@@ -89,6 +90,18 @@ def test_a_decision_is_judged_by_the_stages_before_it(
     b: list[float], decided: list[int], words: list[str]
 ) -> None:
     assert SOAK.judge(problem(b), SOAK.RowOrder.of(CONFIG), decided) == words
+
+
+def test_cycles_are_judged_where_statuses_or_commands_differ() -> None:
+    status, qdot, residual = np.array([0.0, 0.0, 3.0, 0.0, 9.0]), np.zeros((5, 7)), np.zeros(5)
+    moved = qdot.copy()
+    moved[1, 3] = 2e-8
+    moved[2, 0] = 0.5e-8
+    other = np.where(np.arange(5) == 3, 8.0, status)
+    records = {"daqp": SOAK.Record(status, residual, qdot), "qpoases": SOAK.Record(other, residual, moved)}
+    cycles, disputed = SOAK.listed(records, step=100)
+    assert cycles.tolist() == [0, 1, 3, 4]
+    assert disputed.tolist() == [False, True, False, True, True]
 
 
 @pytest.mark.slow
