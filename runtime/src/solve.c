@@ -25,7 +25,7 @@ enum { FURTHER_ATTEMPTS = sizeof further_attempts / sizeof further_attempts[0] }
 
 /* An answer with a greater residual is asked for again, even if it could be certified: a residual r of a row
  * with a large multiplier leaves an error of up to sqrt(2 r/lambda) in q_dot. */
-#define GOOD (1e-3 * PG_TOLERANCE)
+#define GOOD (1e-5 * PG_TOLERANCE)
 
 /* What it means that a solver found nothing. Infeasible is what a proof shows, the solver's or one that a
  * search finds; and what a solver claims even with rows apart, if no feasible x turns up. */
