@@ -119,3 +119,5 @@ def test_proxgen_build_gives_a_controller_at_rest(
     controller = proxgen.build(planar2_config, tmp_path, backend="daqp")
     assert isinstance(controller, CompiledController) and controller.robot == "planar2"
     assert controller.step(Q, XDOT, nothing).status is Status.SOLVED
+    from_file = proxgen.build(str(planar2_config.source), tmp_path, backend="daqp")
+    assert from_file.manifest == controller.manifest
