@@ -62,6 +62,51 @@ def test_units_are_understood(quantity: Quantity, value: Any, expected: float) -
     assert type(result) is type(expected)
 
 
+LENGTHS = {"m": 1.0, "cm": 0.01, "mm": 0.001}
+TURN = 2.0 * math.pi / 360.0
+UNITS: dict[type[Quantity], dict[str, float]] = {
+    Number: {},
+    Length: LENGTHS,
+    Angle: {"rad": 1.0, "deg": TURN},
+    Time: {"s": 1.0, "ms": 0.001, "us": 1e-6},
+    Frequency: {"Hz": 1.0, "kHz": 1000.0},
+    Speed: {f"{unit}/s": factor for unit, factor in LENGTHS.items()},
+    AngularSpeed: {"rad/s": 1.0, "deg/s": TURN},
+    Rate: {"1/s": 1.0, "/s": 1.0},
+    JointPosition: {"rad": 1.0, "deg": TURN, **LENGTHS},
+    JointSpeed: {"rad/s": 1.0, "deg/s": TURN, **{f"{unit}/s": factor for unit, factor in LENGTHS.items()}},
+    JointAcceleration: {"rad/s^2": 1.0, "deg/s^2": TURN, "m/s^2": 1.0},
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_unit_has_its_factor(kind: type[Quantity]) -> None:
+    assert set(kind.units) == set(UNITS[kind])
+    for unit, factor in UNITS[kind].items():
+        assert kind().parse(f"3 {unit}") == pytest.approx(3.0 * factor, rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("limits", "inside", "outside"),
+    [
+        ({"gt": 1.0}, (1.0 + 1e-12, 2.0), (1.0, 0.9)),
+        ({"ge": 1.0}, (1.0, 2.0), (1.0 - 1e-12, 0.9)),
+        ({"lt": 1.0}, (1.0 - 1e-12, 0.0), (1.0, 1.1)),
+        ({"le": 1.0}, (1.0, 0.0), (1.0 + 1e-12, 1.1)),
+    ],
+)
+def test_ends_of_ranges(
+    limits: dict[str, float], inside: tuple[float, ...], outside: tuple[float, ...]
+) -> None:
+    """Whether the end itself is within."""
+    quantity = Length(**limits)
+    for value in inside:
+        assert quantity.parse(value) == value
+    for value in outside:
+        with pytest.raises(ValueError, match="is out of range"):
+            quantity.parse(value)
+
+
 @pytest.mark.parametrize(
     ("quantity", "value", "message"),
     [

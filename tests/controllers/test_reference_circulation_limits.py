@@ -1,9 +1,11 @@
 """Circulation to the cycle, to 1e-9, and with each of its weights: where it begins to do something else."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from circulation_tools import CIRCULATION, NOTHING, WALL, Tool, changed, facing
-from reference_tools import variant
+from reference_tools import silence, variant
 
 from proxgen.controllers.reference import ReferenceController
 from proxgen.controllers.reference.parameters import Parameters
@@ -153,3 +155,16 @@ def test_weight_of_another_obstacle(p: Parameters, bias: float, way: float) -> N
     tool = Tool(changed(p, circulation_bias_z=bias), ("x", "z"))
     tool.stick(facing([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]), np.array([0.25, 0.0]))
     assert tool.circulation.tangent[2] == pytest.approx(way)
+
+
+@pytest.mark.parametrize(("distance", "stuck"), [(0.14, True), (0.16, False)])
+def test_only_what_has_a_row_is_near(tmp_path: Path, distance: float, stuck: bool) -> None:
+    """Within d_a = 0.15 m; what is further away counts for the active row alone, here up to 0.3 m."""
+    controller = ReferenceController(*variant(tmp_path, CIRCULATION, "planar2"))
+    controller.set_parameters(d_active=0.3, damper_influence=0.4)
+    q = np.zeros(2)  # the tool is at (0.9, 0, 0.1)
+    for index in range(30):
+        seen = silence(controller.model, 0.02 * index, np.array([0.9 + distance, 0.0, 0.1]))
+        command = controller.step(q, np.array([0.1, 0.0]), seen)
+    assert np.isfinite(command.diagnostics.distance).any()
+    assert command.diagnostics.circulating is stuck
