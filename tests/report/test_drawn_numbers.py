@@ -73,6 +73,9 @@ def test_every_joint_has_its_position_velocity_and_limits() -> None:
         np.testing.assert_array_equal(drawn(velocity)[1], log.qdot[:, index])
         assert levels(position) == [-2.0 - 0.1 * index, 1.0 + 0.1 * index]
         assert levels(velocity) == [-1.5 - 0.1 * index, 1.5 + 0.1 * index]
+        beyond = 0.12 * (3.0 + 0.2 * index)  # what is shown, and shaded, beyond the limits
+        shown = -2.0 - 0.1 * index - beyond, 1.0 + 0.1 * index + beyond
+        assert position.get_ylim() == pytest.approx(shown)
 
 
 def test_the_course_shows_targets_distances_and_statuses() -> None:
@@ -128,6 +131,9 @@ def test_agreement_is_drawn_and_judged_by_its_tolerances() -> None:
     assert rows["max_abs_H_error"].good == rows["max_abs_A_error"].good == [True, False]
     assert rows["max_kkt_residual"].good == [True, True]
     wide = replace(comparison, tolerances=Tolerances(qdot=1e-10, kkt=1e-9))
-    narrow = {row.key: row.good for row in agreement_table(wide)}
-    assert narrow["max_abs_qdot_error"] == narrow["max_kkt_residual"] == [True, False]
+    narrow = {row.key: row for row in agreement_table(wide)}
+    for key, limit in (("qdot_error", "1e-10"), ("H_error", "1e-10"), ("A_error", "1e-10")):
+        assert f"(at most {limit})" in narrow[f"max_abs_{key}"].title
+    assert "(at most 1e-09)" in narrow["max_kkt_residual"].title
+    assert narrow["max_abs_qdot_error"].good == narrow["max_kkt_residual"].good == [True, False]
     assert "velocities to 3e-09 rad/s" in verdict(replace(comparison)).sentence
