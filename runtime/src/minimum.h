@@ -92,6 +92,7 @@ static inline void pg_hold(double U[PG_N][PG_N], const double w[PG_N], const pg_
 static inline int pg_find_minimum(double U[PG_N][PG_N], const double w[PG_N], const pg_qp_t *qp,
                                   pg_minimum_t *minimum) {
   pg_broken_t most;
+  most.excess = most.squared_length = 0.0; /* for compilers, which warn */
   minimum->held = PG_NOTHING_HELD;
   minimum->multiplier = 0.0;
   pg_solve_negated(U, w, minimum->x);

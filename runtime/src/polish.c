@@ -20,7 +20,7 @@
 /* Another working set may come out of a step, and the next ones go on from that, though it seem worse at
  * first: unless what is there is good enough already. */
 #define STEPS 10
-#define GOOD  (1e-5 * PG_TOLERANCE)
+#define GOOD  ((PG_RELAXATION_SLACK ? 1e-3 : 1e-5) * PG_TOLERANCE)
 
 /* A row depends on those before it if only this part of it is left, which is rounding. */
 #define DEPENDENT 1e-14

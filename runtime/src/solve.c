@@ -24,8 +24,9 @@ enum { FURTHER_ATTEMPTS = sizeof further_attempts / sizeof further_attempts[0] }
 #define GOLDEN_SECTION 0.6180339887498949
 
 /* An answer with a greater residual is asked for again, even if it could be certified: a residual r of a row
- * with a large multiplier leaves an error of up to sqrt(2 r/lambda) in q_dot. */
-#define GOOD (1e-5 * PG_TOLERANCE)
+ * with a large multiplier leaves an error of up to sqrt(2 r/lambda) in q_dot. Soft rows leave no narrow cone,
+ * but great multipliers, and with them more rounding. */
+#define GOOD ((PG_RELAXATION_SLACK ? 1e-3 : 1e-5) * PG_TOLERANCE)
 
 /* What it means that a solver found nothing. Infeasible is what a proof shows, the solver's or one that a
  * search finds; and what a solver claims even with rows apart, if no feasible x turns up. */
