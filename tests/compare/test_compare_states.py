@@ -38,7 +38,10 @@ def test_states_fit_the_arm(any_config: Config, any_model: RobotModel) -> None:
 @pytest.mark.parametrize("without", ["tof", "capacitive", "both"])
 def test_states_of_a_skin_without_some_sensors(without: str, planar2_config: Config) -> None:
     gone: dict[str, object] = {"skin.cuffs": []} if without == "both" else {f"skin.{without}": None}
-    additions = {"skin.self_measurement.enabled": True, "skin.memory.enabled": True}
+    additions = {  # each where some sensor gives it something
+        "skin.self_measurement.enabled": without != "both",
+        "skin.memory.enabled": without == "capacitive",
+    }
     config = override(planar2_config, gone | additions)
     model = build_model(config)
     controller = ReferenceController(config, model)
