@@ -19,6 +19,7 @@ from proxgen.config.schema import Config, Cuff, Ring
 from proxgen.model import RobotModel, build_model
 from proxgen.model.frames import axis_basis
 from proxgen.model.kinematics import body_poses, tool_pose
+from proxgen.model.posture import Posture
 
 Array = NDArray[np.float64]
 
@@ -162,6 +163,22 @@ def test_capsules_and_self_points_lie_in_their_frames(twins: Twins) -> None:
         for point, place in zip(config.avoidance.self_collision.points, model.self_points, strict=True):
             expected = carried(outside.pose(point.frame), point.position)
             np.testing.assert_allclose(carried(poses[place.body], place.position), expected, atol=1e-6)
+
+
+def test_gaps_of_self_points_are_those_of_the_surfaces(twins: Twins) -> None:
+    """From the points' places by pybullet, along the axes of the capsules as pybullet has them."""
+    config, model, outside = twins
+    part = np.linspace(0.0, 1.0, 2001)[:, None]
+    q = np.random.default_rng(33).uniform(-2.0, 2.0, model.n)
+    outside.move(model.joint_names, q)
+    gaps = Posture(model, q).own_gaps()
+    for row, point in enumerate(config.avoidance.self_collision.points):
+        place = carried(outside.pose(point.frame), point.position)
+        for slot, capsule in enumerate(config.capsules):
+            frame = outside.pose(capsule.frame)
+            start, end = carried(frame, capsule.start), carried(frame, capsule.end)
+            least = np.linalg.norm(start + part * (end - start) - place, axis=1).min()
+            assert gaps[row, slot] == pytest.approx(least - capsule.radius - point.radius, abs=1e-5)
 
 
 def test_pairs_of_self_collision(twins: Twins) -> None:

@@ -59,6 +59,24 @@ def test_changes_of_the_command_where_constraints_switch(planar2_config: Config)
     assert derived_numbers(never, planar2_config)["mean_abs_dqdot_seen"] is None
 
 
+def test_nothing_is_in_view_only_if_no_link_has_anything(planar2_config: Config) -> None:
+    """The first link has something in the first two cycles, the second one in the middle two."""
+    log = make_log(joints=1, capsules=2, cycles=6)
+    far = np.inf
+    seen = np.array([[0.2, far], [0.2, 0.2], [far, 0.2], [far, far], [far, far], [far, far]])
+    qdot = np.cumsum([0.1, 0.1, 0.1, 0.4, 0.4, 0.4])[:, None]
+    numbers = derived_numbers(replace(log, controller_distance=seen, qdot=qdot), planar2_config)
+    assert numbers["mean_abs_dqdot_seen"] == pytest.approx(0.1)
+    assert numbers["mean_abs_dqdot_clear"] == pytest.approx(0.4)
+
+
+def test_the_last_motion_is_that_of_ten_seconds(planar2_config: Config) -> None:
+    """600 cycles of 20 ms at 1 mm each: 499 steps between the last 500."""
+    points = [(0.001 * index, 0.0, 0.4) for index in range(600)]
+    numbers = derived_numbers(walk(points, [0] * 600), planar2_config)
+    assert numbers["last_motion_m"] == pytest.approx(0.499)
+
+
 def test_time_to_leave_a_singularity(planar2_config: Config) -> None:
     log = make_log(cycles=100)
     w = np.where(np.arange(100) < 30, 0.0, 0.1)
@@ -71,7 +89,7 @@ def test_time_to_leave_a_singularity(planar2_config: Config) -> None:
 
 def test_time_below_thresholds_by_link(planar2_config: Config) -> None:
     log = make_log(capsules=2, cycles=4)
-    distance = np.array([[0.16, 0.30], [0.16, 0.21], [0.30, 0.30], [0.30, 0.30]])
+    distance = np.array([[0.16, 0.30], [0.16, 0.21], [0.30, 0.23], [0.30, 0.30]])  # d_0l is 0.22 m
     numbers = derived_numbers(replace(log, true_axis_distance=distance), planar2_config)
     assert numbers["link_below_dr_fraction"] == {"link_0": 0.5, "link_1": 0.0}
     assert numbers["time_below_d0l_fraction"] == 0.5
