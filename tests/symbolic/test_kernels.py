@@ -1,13 +1,18 @@
 """Kernels against Pinocchio, finite differences and closed forms, at random states of many arms."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import casadi as ca
 import numpy as np
 import pinocchio as pin
 import pytest
+from arms import RECIPES, write_arm
 from kernel_checks import call, check_against_pinocchio
 
+from proxgen.config import load
 from proxgen.config.schema import Config
-from proxgen.model import RobotModel
+from proxgen.model import RobotModel, build_model
 from proxgen.model.kinematics import body_poses, tool_pose
 from proxgen.symbolic import build_program
 from proxgen.symbolic.program_builder import carrying_bodies
@@ -23,20 +28,36 @@ def test_any_arms_kinematics_equal_pinocchio(any_config: Config, any_model: Robo
     check_against_pinocchio(any_config, any_model, 100)
 
 
+@pytest.mark.parametrize("task", ["{kind: pose}", "{kind: pointing, axis: [0, 0.6, 0.8]}"])
+@pytest.mark.parametrize("name", ["slider3", "endless4", "mimic5"])
+def test_rotations_of_arms_with_every_kind_of_joint(name: str, task: str, tmp_path: Path) -> None:
+    """A prismatic joint turns nothing, and a follower turns by its ratio."""
+    recipe = next(recipe for recipe in RECIPES if recipe.name == name)
+    config = load(write_arm(replace(recipe, task=task), tmp_path))
+    model = build_model(config)
+    check_against_pinocchio(config, model, 30)
+    check_finite_differences(config, model)
+
+
 def test_task_jacobian_passes_finite_differences(any_config: Config, any_model: RobotModel) -> None:
-    program, rng, step = build_program(any_config, any_model), np.random.default_rng(22), 1e-6
+    check_finite_differences(any_config, any_model)
+
+
+def check_finite_differences(config: Config, model: RobotModel) -> None:
+    """J against differences of the tool's pose."""
+    program, rng, step = build_program(config, model), np.random.default_rng(22), 1e-6
     for _ in range(10):
-        q = rng.uniform(-2.0, 2.0, any_model.n)
-        jacobian, rotation = call(program, "kinematics", q=q)["J"], tool_pose(any_model, q)[:3, :3]
-        for joint in range(any_model.n):
-            offset = step * np.eye(any_model.n)[joint]
-            after, before = tool_pose(any_model, q + offset), tool_pose(any_model, q - offset)
+        q = rng.uniform(-2.0, 2.0, model.n)
+        jacobian, rotation = call(program, "kinematics", q=q)["J"], tool_pose(model, q)[:3, :3]
+        for joint in range(model.n):
+            offset = step * np.eye(model.n)[joint]
+            after, before = tool_pose(model, q + offset), tool_pose(model, q - offset)
             linear = (after[:3, 3] - before[:3, 3]) / (2 * step)
             angular = pin.log3(after[:3, :3] @ before[:3, :3].T) / (2 * step)
-            if any_model.task_frame is not None:
-                angular = (rotation @ any_model.task_frame).T @ angular
+            if model.task_frame is not None:
+                angular = (rotation @ model.task_frame).T @ angular
             rows = dict(zip(("x", "y", "z", "rx", "ry", "rz"), [*linear, *angular], strict=True))
-            expected = [rows[name] for name in any_model.task_rows]
+            expected = [rows[name] for name in model.task_rows]
             np.testing.assert_allclose(jacobian[:, joint], expected, atol=1e-8)
 
 
