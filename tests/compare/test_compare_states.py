@@ -67,3 +67,11 @@ def test_calm_and_crowded_states_are_both_there(any_config: Config, any_model: R
     assert max(rows) >= len(any_model.capsules) - 1
     if any_config.relaxation.mode == "staged":
         assert {Status.SOLVED, Status.REDUCED_REPULSION} <= decided
+
+
+def test_joints_are_met_at_and_beyond_both_of_their_limits(
+    iiwa7_config: Config, iiwa7_model: RobotModel
+) -> None:
+    q = np.array([s.q for s in random_states(iiwa7_config, iiwa7_model, 400, seed=5, faults=0.0)])
+    assert (q == iiwa7_model.q_upper).any() and (q == iiwa7_model.q_lower).any()
+    assert (q > iiwa7_model.q_upper).any() and (q < iiwa7_model.q_lower).any()

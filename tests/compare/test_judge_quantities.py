@@ -88,3 +88,12 @@ def vars_of(state: State) -> tuple[Array, Array, Measurement]:
 def test_a_later_scene_counts_as_well() -> None:
     assert make_comparison().verdict == "pass"
     assert make_comparison(qdot_error=1e-3).verdict == "fail"
+
+
+def test_the_greatest_error_is_that_of_the_worst_cycle() -> None:
+    """Cycles that have nothing to compare do not count."""
+    scene = make_comparison().scenes[0]
+    mixed = replace(scene, errors=scene.errors | {"qdot": np.array([1e-12, np.nan, 4e-9, 0.0])})
+    assert mixed.greatest("qdot") == 4e-9
+    assert mixed.to_json()["max_abs_qdot_error"] == 4e-9
+    assert mixed.greatest("slack") == 0.0
