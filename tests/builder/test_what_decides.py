@@ -1,0 +1,56 @@
+"""Whether a build is up to date is decided by everything that it was made from: each change of it is seen."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from proxgen.builder import BuildResult, build, pipeline, sources
+from proxgen.config.schema import Config
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.mark.parametrize(
+    ("changed", "code_too"),
+    [
+        ("runtime/src/cycle.c", False),
+        ("runtime/src/state.h", False),
+        ("runtime/src/solver_daqp.c", False),
+        ("runtime/include/proxgen/types.h", False),
+        ("proxgen/symbolic/kernels.py", True),
+        ("proxgen/emit/tables.py", True),
+        ("proxgen/emit/templates/model.c.j2", True),
+        ("proxgen/model/build.py", True),
+        ("proxgen/config/schema.py", True),
+        ("proxgen/program.py", True),
+    ],
+)
+def test_a_changed_file_makes_another_key(
+    changed: str, code_too: bool, planar2_config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of the runtime, of the generator; the generated code itself follows from the generator alone."""
+    for name in ("runtime/src", "runtime/include"):
+        shutil.copytree(ROOT / name, tmp_path / name)
+    for source in sources.generator_files():
+        copy = tmp_path / "proxgen" / source.relative_to(sources._PACKAGE)
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(source, copy)
+    monkeypatch.setattr(sources, "_PACKAGE", tmp_path / "proxgen")
+    before = pipeline._plan(planar2_config, tmp_path / "built", "daqp", None)
+    path = tmp_path / changed
+    path.write_text(path.read_text() + "\n")
+    after = pipeline._plan(planar2_config, tmp_path / "built", "daqp", None)
+    assert before.key != after.key
+    assert (before.generation != after.generation) is code_too
+
+
+def test_a_file_that_was_cut_off_is_made_again(
+    planar2_daqp: BuildResult, planar2_config: Config, tmp_path: Path
+) -> None:
+    shutil.copytree(planar2_daqp.library_dir, tmp_path / "planar2")
+    library = tmp_path / "planar2" / "lib" / "libplanar2.a"
+    whole = library.read_bytes()
+    library.write_bytes(whole[:1000])
+    assert build(planar2_config, tmp_path / "planar2", backend="daqp").rebuilt
+    assert library.read_bytes() == whole
