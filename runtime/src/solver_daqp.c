@@ -233,11 +233,13 @@ static void take_minimum(const pg_minimum_t *minimum, pg_solution_t *solution) {
   solution->iterations += minimum->held != PG_NOTHING_HELD;
 }
 
-/* The least-distance problem after all, where the row that held the minimum has gone. */
-static void form_late(pg_solver_t *solver, const pg_qp_t *qp) {
+/* The least-distance problem after all, where the row that held the minimum has gone; 0 if H has no factor,
+ * which it had when it was loaded. */
+static int form_late(pg_solver_t *solver, const pg_qp_t *qp) {
   double U[N][N];
-  pg_factorise(qp->H, U);
+  if (!pg_factorise(qp->H, U)) return 0;
   form(solver, qp, U);
+  return 1;
 }
 
 /* Solves what is loaded, from the empty working set. */
@@ -249,7 +251,7 @@ static pg_outcome_t solve_loaded(pg_solver_t *solver, const pg_qp_t *qp, pg_solu
     take_minimum(&solver->minimum, solution);
     return PG_OPTIMAL;
   }
-  if (solver->is_at_hand) form_late(solver, qp);
+  if (solver->is_at_hand && !form_late(solver, qp)) return PG_UNSOLVED;
 
   place_sides(solver, qp);
   reset_daqp_workspace(work);
