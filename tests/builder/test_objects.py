@@ -88,3 +88,14 @@ def test_only_the_chosen_back_end_is_compiled() -> None:
     names = {backend: {path.name for path in runtime_units(backend)} for backend in ("daqp", "qpoases")}
     assert names["daqp"] ^ names["qpoases"] == {"solver_daqp.c", "solver_qpoases.cpp"}
     assert {"cycle.c", "ladder.c"} <= names["daqp"]
+
+
+def test_other_options_make_another_object(project: Project) -> None:
+    """The same source, and the object of the other options in the cache."""
+    toolchain, source = find_toolchain(cxx=False), project.folder / "plain.c"
+    made = [
+        compile_units([Unit(source, (), (), options)], project.cache, project.work, toolchain)[0]
+        for options in ((), ("-Dplain=other",))
+    ]
+    assert made[0] != made[1]
+    assert b"other" in made[1].read_bytes() and b"other" not in made[0].read_bytes()

@@ -254,6 +254,21 @@ def test_a_failure_between_two_files_is_made_good_by_the_next_build(
     assert not list((built.library_dir / PRIVATE).glob("work-*"))
 
 
+def test_after_a_failure_the_old_build_is_not_believed_in(
+    built: BuildResult, planar2_config: Config, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A library of the new configuration lies among the files of the old one, and is as long."""
+
+    def interrupted(made: Path, directory: Path, last: object) -> dict[str, int]:
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(pipeline, "_move_into_place", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            build(with_threshold(planar2_config, 0.35), built.library_dir, backend="daqp")
+    assert build(planar2_config, built.library_dir, backend="daqp").rebuilt
+
+
 def test_builds_at_the_same_time_do_not_disturb_each_other(tmp_path: Path) -> None:
     script = (
         "import sys, proxgen; from proxgen.builder import build; "

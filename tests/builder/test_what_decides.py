@@ -54,3 +54,31 @@ def test_a_file_that_was_cut_off_is_made_again(
     library.write_bytes(whole[:1000])
     assert build(planar2_config, tmp_path / "planar2", backend="daqp").rebuilt
     assert library.read_bytes() == whole
+
+
+def test_other_versions_of_the_libraries_make_another_key(
+    planar2_config: Config, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """CasADi writes the code, and Pinocchio reads the arm."""
+    before = pipeline._plan(planar2_config, tmp_path, "daqp", None)
+    version = pipeline.metadata.version
+    for library in ("casadi", "pin"):
+        with monkeypatch.context() as patch:
+            patch.setattr(
+                pipeline.metadata, "version", lambda n, lib=library: "9.9" if n == lib else version(n)
+            )
+            after = pipeline._plan(planar2_config, tmp_path, "daqp", None)
+        assert (before.key, before.generation) != (after.key, after.generation)
+        assert before.generation != after.generation
+
+
+def test_a_digest_is_of_names_and_of_where_files_end(tmp_path: Path) -> None:
+    texts = [{"a": "12", "b": "3"}, {"a": "1", "b": "23"}, {"a": "12", "c": "3"}, {"a": "123"}]
+    digests = set()
+    for index, files in enumerate(texts):
+        (tmp_path / str(index)).mkdir()
+        paths = [tmp_path / str(index) / name for name in files]
+        for path in paths:
+            path.write_text(files[path.name])
+        digests.add(sources.digest_files(paths))
+    assert len(digests) == len(texts)

@@ -13,6 +13,7 @@ from proxgen.config.ranges import RANGES
 from proxgen.config.schema import Config
 from proxgen.controllers.reference import ReferenceController
 from proxgen.model import RobotModel
+from proxgen.symbolic import build_program
 from proxgen.symbolic.parameters import parameters
 
 EVERYTHING = """
@@ -103,3 +104,11 @@ def test_the_speed_of_the_tangential_method(tmp_path: Path) -> None:
     defaults = {parameter.name: parameter.default for parameter in parameters(config, model)}
     assert found["tangential_speed"] == defaults["tangential_speed"] == 0.123
     assert set(RANGES) - set(EXPECTED) == {"tangential_speed"}
+
+
+def test_what_is_chosen_when_the_code_is_generated(tmp_path: Path) -> None:
+    """Values that are no parameters, each unlike its default."""
+    text = "solver: {max_iterations: 37, tolerance: 1e-7}\nskin: {max_points: 5, memory: {enabled: true, capacity: 7}}"
+    program = build_program(*variant(tmp_path, text, "planar2"))
+    assert (program.max_iterations, program.tolerance, program.max_points) == (37, 1e-7, 5)
+    assert program.memory is not None and program.memory.capacity == 7
