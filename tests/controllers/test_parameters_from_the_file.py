@@ -108,7 +108,8 @@ def test_the_speed_of_the_tangential_method(tmp_path: Path) -> None:
 
 def test_what_is_chosen_when_the_code_is_generated(tmp_path: Path) -> None:
     """Values that are no parameters, each unlike its default."""
-    text = "solver: {max_iterations: 37, tolerance: 1e-7}\nskin: {max_points: 5, memory: {enabled: true, capacity: 7}}"
+    skin = "skin: {max_points: 5, memory: {enabled: true, capacity: 7}}"
+    text = f"solver: {{max_iterations: 37, tolerance: 1e-7}}\n{skin}"
     program = build_program(*variant(tmp_path, text, "planar2"))
     assert (program.max_iterations, program.tolerance, program.max_points) == (37, 1e-7, 5)
     assert program.memory is not None and program.memory.capacity == 7
