@@ -1,6 +1,7 @@
 """Whether a build is up to date is decided by everything that it was made from: each change of it is seen."""
 
 import shutil
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -61,11 +62,11 @@ def test_other_versions_of_the_libraries_make_another_key(
 ) -> None:
     """CasADi writes the code, and Pinocchio reads the arm."""
     before = pipeline._plan(planar2_config, tmp_path, "daqp", None)
-    version = pipeline.metadata.version
+    version = metadata.version
     for library in ("casadi", "pin"):
         with monkeypatch.context() as patch:
             versions = {library: "9.9"}
-            patch.setattr(pipeline.metadata, "version", lambda name, v=versions: v.get(name) or version(name))
+            patch.setattr(metadata, "version", lambda name, v=versions: v.get(name) or version(name))
             after = pipeline._plan(planar2_config, tmp_path, "daqp", None)
         assert before.key != after.key
         assert before.generation != after.generation
