@@ -1,7 +1,9 @@
 """Recorded inputs of a closed loop: what `runtime/bench/replay.c` replays."""
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,11 +35,25 @@ class Inputs:
         """How many."""
         return len(self.measurements)
 
+    def recorded(self) -> Iterator[tuple[Array, Array, Measurement]]:
+        """What `step` takes, cycle by cycle, as it was kept: anywhere in memory, seldom in the cache."""
+        yield from zip(self.q, self.xdot, self.measurements, strict=True)
+
+    def just_made(self) -> Iterator[tuple[Array, Array, Measurement]]:
+        """The same as a control loop has it: in arrays that were made a moment ago."""
+        for q, xdot, seen in self.recorded():
+            arrays: dict[str, Any] = {
+                field.name: value.copy()
+                for field in fields(seen)
+                if isinstance(value := getattr(seen, field.name), np.ndarray)
+            }
+            yield q.copy(), xdot.copy(), replace(seen, **arrays)
+
     def save(self, path: Path) -> None:
         """Write the file that `replay` reads: doubles, in the order that it documents."""
         room = max(len(seen.points) for seen in self.measurements)
         parts: list[Array] = [np.array([self.cycles, room], dtype=float)]
-        for q, xdot, seen in zip(self.q, self.xdot, self.measurements, strict=True):
+        for q, xdot, seen in self.recorded():
             points = np.zeros((room, 3))
             points[: len(seen.points)] = seen.points
             parts += [np.array([seen.time]), q, xdot, seen.tof_range, _age(seen.tof_age, seen.tof_range)]

@@ -46,7 +46,7 @@ class Status(IntEnum):
         return self >= Status.FAULT_NOT_FINITE
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Measurement:
     """What the skin, and other sources, saw.
 

@@ -1,7 +1,6 @@
 """Cycle times of two methods side by side: the same machine, the same moment, nothing else at work."""
 
 import tempfile
-import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -57,6 +56,7 @@ class Timing:
     def carry_out(self, store: Store) -> None:
         """Record, replay, keep the times: from Python, and, of compiled controllers, from C."""
         from proxgen.bench.inputs import record
+        from proxgen.bench.timing import time_steps
         from proxgen.model import build_model
 
         ready: dict[str, tuple[Controller, Inputs]] = {}
@@ -71,7 +71,7 @@ class Timing:
         from_python: dict[str, list[NDArray[np.float64]]] = {method: [] for method in ready}
         for _ in range(self.passes):
             for method, (controller, inputs) in ready.items():
-                from_python[method].append(_pass(controller, inputs))
+                from_python[method].append(1e6 * time_steps(controller, inputs.just_made()))
         numbers: dict[str, Any] = {}
         for method, library in self.libraries.items():
             numbers[method] = {
@@ -92,17 +92,6 @@ class Timing:
             main = runtime_directory() / "bench" / "replay.c"
             program = compile_program(main, library / "generated", backend, work / "replay")
             return _times(1e6 * replay(program, inputs, backend, work, self.passes).whole.ravel())
-
-
-def _pass(controller: "Controller", inputs: "Inputs") -> NDArray[np.float64]:
-    """Times of `controller.step` over all recorded cycles [us]."""
-    controller.reset()
-    times = np.empty(inputs.cycles)
-    for index, (q, xdot, seen) in enumerate(zip(inputs.q, inputs.xdot, inputs.measurements, strict=True)):
-        begin = time.perf_counter_ns()
-        controller.step(q, xdot, seen)
-        times[index] = 1e-3 * (time.perf_counter_ns() - begin)
-    return times
 
 
 def _times(times: NDArray[np.float64]) -> dict[str, float]:

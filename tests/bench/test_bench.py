@@ -45,7 +45,8 @@ def test_results_have_the_keys_that_others_rely_on(benchmark_of_planar2: Benchma
         assert set(row) >= KEYS
         assert 0.0 <= row["p50_us"] <= row["p99_us"] <= row["p999_us"] <= row["max_us"]
     assert {row["backend"] for row in content["results"]} == {"daqp", "qpoases"}
-    assert len(rows_named(benchmark_of_planar2, "from Python")) == 4
+    assert len(rows_named(benchmark_of_planar2, "from Python, raw")) == 4
+    assert len(rows_named(benchmark_of_planar2, "from Python, recorded arrays, raw")) == 4
     for stage in STAGES:
         assert len(rows_named(benchmark_of_planar2, f": {stage}, raw")) == 4
 
@@ -85,8 +86,7 @@ def test_replay_repeats_the_recorded_run(iiwa7_config: Config, tmp_path: Path) -
     scene = load_scene("moving")
     inputs = crowded(record(iiwa7_config, model, controller, scene, 6.0), model, iiwa7_config.skin.max_points)
     controller.reset()
-    states = zip(inputs.q, inputs.xdot, inputs.measurements, strict=True)
-    expected = [controller.step(q, xdot, seen).status for q, xdot, seen in states]
+    expected = [controller.step(q, xdot, seen).status for q, xdot, seen in inputs.recorded()]
     measured = replay(program, inputs, "daqp", tmp_path, 2)
     assert [Status(status) for status in measured.statuses] == expected
     assert len(set(expected)) >= 3  # among them reduced and stopped cycles
@@ -102,6 +102,24 @@ def test_crowding_changes_every_fourth_cycle(iiwa7_config: Config, iiwa7_model: 
     thick = crowded(plain, iiwa7_model, 4)
     assert [len(seen.points) for seen in thick.measurements[:5]] == [4, 0, 0, 0, 4]
     assert replace(thick.measurements[1]).time == plain.measurements[1].time
+
+
+def test_inputs_just_made_are_equal_arrays_elsewhere(iiwa7_config: Config, iiwa7_model: RobotModel) -> None:
+    from proxgen.controllers.reference import ReferenceController
+
+    controller = ReferenceController(iiwa7_config, iiwa7_model)
+    inputs = crowded(record(iiwa7_config, iiwa7_model, controller, load_scene("gap"), 0.2), iiwa7_model, 4)
+    pairs = list(zip(inputs.recorded(), inputs.just_made(), strict=True))
+    assert len(pairs) == inputs.cycles == 10
+    for (*kept_vectors, kept), (*made_vectors, made) in pairs:
+        names = ("tof_range", "capacitive", "tof_age", "capacitive_age", "points")
+        kept_arrays = [*kept_vectors, *(getattr(kept, name) for name in names)]
+        made_arrays = [*made_vectors, *(getattr(made, name) for name in names)]
+        assert made.time == kept.time
+        for one, other in zip(kept_arrays, made_arrays, strict=True):
+            assert np.array_equal(one, other)
+            assert one.dtype == other.dtype
+            assert not np.shares_memory(one, other)
 
 
 def test_command_prints_a_table(
