@@ -78,7 +78,12 @@ def test_a_link_stays_a_link(tmp_path: Path) -> None:
 
 
 def test_a_device_is_written_to_and_a_folder_is_refused(tmp_path: Path) -> None:
-    write_whole(Path(os.devnull), "gone")
-    assert Path(os.devnull).is_char_device()
+    master, slave = os.openpty()  # a device of one's own: a test that fails must not replace /dev/null
+    device = Path(os.ttyname(slave))
+    write_whole(device, "text")
+    assert os.read(master, 100) == b"text"
+    assert device.is_char_device()
+    os.close(slave)
+    os.close(master)
     with pytest.raises(IsADirectoryError):
         write_whole(tmp_path, "text")
