@@ -166,7 +166,7 @@ def _rows(measured: Replay, instructions: float | None) -> list[dict[str, Any]]:
 def _python_rows(controller: CompiledController, inputs: Inputs, backend: str) -> list[dict[str, Any]]:
     """Times of `controller.step` from Python, one pass over the inputs each.
 
-    Arrays that come from memory instead of the cache cost a cycle as much again as all of its work. A control
+    Arrays that come from memory instead of the cache cost a cycle more than all of its work in C. A control
     loop has just made them; who replays a recording has not. Both are told.
     """
     ways = {"raw": inputs.just_made(), "recorded arrays, raw": inputs.recorded()}
